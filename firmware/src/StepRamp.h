@@ -19,7 +19,8 @@
  *
  *   #include <StepRampPinChange.h>                    // beside one of the above
  *
- * Then poll() only plans: at the highest speeds, 100,000 steps/s, it is wanted each 2 ms, at a tenth of that each 4 ms. That timer, the
+ * Then poll() only plans: at the highest speeds, 100,000 steps/s, it is wanted 2 ms after it has returned, at a tenth of that 4 ms. So
+ * ramps that a StepRampAxis computes are made; of an exported one that is so where it takes 0.2 s or more to its speed. That timer, the
  * PWM of its pins and the registers GPIOR0 to GPIOR2 are StepRamp's then. */
 #ifndef STEPRAMP_H
 #define STEPRAMP_H
@@ -130,7 +131,7 @@ public:
     StepRampResult zero(uint8_t axis, uint16_t steps);
 
     /* To the limit switch that lies that way: at an interval as run() has it, back off by some steps beyond the switch, 1 at least, and again
-     * slowly [ticks]; where it is seen then is position 0. It is moving until that is done; stop() and halt() end it. */
+     * slowly [ticks]; where it is seen then is position 0; it comes to rest a few steps beyond. It is moving until that is done; stop() and halt() end it. */
     StepRampResult home(uint8_t axis, int32_t interval, uint32_t slowInterval, uint16_t stepsBack = 20);
 
     /* Slows down. */

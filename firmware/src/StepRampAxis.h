@@ -79,7 +79,8 @@ public:
     /* At a speed [steps/s], no higher than the ramp's, until stop(); below 0 backward. */
     StepRampResult runAt(float speed);
 
-    /* To a limit switch at this speed [steps/s], which is the low one below 0; back off, by a step at least, and again slowly: there is position 0. It
+    /* To a limit switch at this speed [steps/s], which is the low one below 0; back off, by a step at least, and again slowly: where it sees the switch then is
+     * position 0, and it comes to rest a few steps beyond: position() is -1 to -4 or so, at the high switch 1 to 4. It
      * moves until that is done, and isHomed() then; not so if the switch stays as it is for 64 times stepsBack beyond the way to it.
      * STEPRAMP_OUT_OF_RANGE where no switch has been set at that end, where a speed is above the ramp's, or 0, and where the slow one is below 0. */
     StepRampResult home(float speed, float slowSpeed, uint16_t stepsBack = 20);
@@ -95,9 +96,9 @@ public:
     bool isMoving();
     int32_t position();
     int32_t target();
-    int32_t stepsToGo();
+    int32_t stepsToGo(); /* to the target; beyond 2^31 - 1 it comes round, as positions do */
     bool isHoming();
-    bool isHomed();
+    bool isHomed(); /* its position is known, though hardly ever 0 right after home(): see there, and StepRamp.h */
     bool isAtLimit();
 
     /* At rest: says where the motor is. */

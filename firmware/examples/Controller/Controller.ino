@@ -2,7 +2,9 @@
  * moves its motors. The pins are those of the common CNC shield, with a fourth axis on pins 12 and 13.
  *
  * A Mega has nine inputs besides, for what the program says: emergency stop, limit switches, drivers' faults. The first four pins
- * have an interrupt of their own, so that they are the ones for an emergency stop. */
+ * have an interrupt of their own, so that they are the ones for an emergency stop.
+ *
+ * It fits an Uno and a Mega, with a timer, too; no Leonardo. */
 #include <StepRamp.h>
 
 #ifdef ARDUINO_AVR_MEGA2560

@@ -2,8 +2,9 @@
  *
  * A driver's step is on pin 4, its direction on pin 7. The emergency stop lies between pin 2 and ground and opens when it is
  * pressed, so that a wire that breaks stops the motor, too. A button between pin A0 and ground acknowledges.
- * With the line below that is commented out, steps are made by a timer (Uno, Nano, Mega, Leonardo, Micro), and pin 2's interrupt
- * stops them. Whoever can be hurt needs a switch in the motors' supply besides: this is a program. */
+ * With the line below that is commented out, steps are made by a timer, and pin 2's interrupt stops them. Whoever can be hurt needs a switch in the motors' supply besides: this is a program.
+ *
+ * It fits an Uno and a Mega, with a timer, too; no Leonardo. With an exported ramp, useRampInFlash(), it fits that without a timer. */
 #include <StepRampAxis.h>
 // #include <StepRampTimer1.h>
 

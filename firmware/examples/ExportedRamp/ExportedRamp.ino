@@ -4,7 +4,9 @@
  * A driver's step is on pin 2, its direction on pin 5. The motor makes 800 steps forward and 800 back, again and again.
  * What it does is told at the serial port at 115200 baud.
  *
- * The bytes stay in RAM: the motor is driven from them as they are. So no PROGMEM here. */
+ * The bytes stay in RAM: the motor is driven from them as they are. So no PROGMEM here.
+ *
+ * It fits an Uno, a Mega and a Leonardo, with a timer, too. */
 #include <StepRamp.h>
 
 /* 1000 steps/s, 2000 steps/s^2 up, 4000 steps/s^2 down. */

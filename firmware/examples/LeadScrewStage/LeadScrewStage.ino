@@ -1,7 +1,9 @@
 /* A stage on a lead screw goes to and fro: 0 mm, 20 mm, 5 mm, 12.5 mm, with a second's rest between.
  *
  * A driver for a motor of 200 steps a turn, set to half steps: step on pin 2, direction on pin 5, enable on pin 8 (the
- * X axis of the common CNC shield). The screw moves the stage by 8 mm a turn. */
+ * X axis of the common CNC shield). The screw moves the stage by 8 mm a turn.
+ *
+ * It fits an Uno, a Mega and a Leonardo, with a timer, too. */
 #include <StepRamp.h>
 
 const int32_t STEPS_PER_TURN = 200 * 2;

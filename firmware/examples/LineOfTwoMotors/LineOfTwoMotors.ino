@@ -3,7 +3,9 @@
  *
  * Drivers' steps are on pins 2 and 3, their directions on pins 5 and 6. When a button between pin A0 and ground is
  * pressed, both slow down at once, still on their line; when it is released, they go on to the corner.
- * What is wrong is told at the serial port at 115200 baud. */
+ * What is wrong is told at the serial port at 115200 baud.
+ *
+ * It fits an Uno and a Mega, with a timer, too; a Leonardo without a timer. With exported ramps, useRampInFlash(), that has room for one. */
 #include <StepRampAxis.h>
 
 const uint8_t BUTTON = A0;

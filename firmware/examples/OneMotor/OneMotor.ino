@@ -3,7 +3,9 @@
  *
  * A driver's step is on pin 2, its direction on pin 5. The motor makes 800 steps forward and comes back. When a button
  * between pin A0 and ground is pressed, it slows down at once, and goes on from there when it is released.
- * What is wrong is told at the serial port at 115200 baud. */
+ * What is wrong is told at the serial port at 115200 baud.
+ *
+ * It fits an Uno and a Mega, with a timer, too; a Leonardo without a timer. With an exported ramp, useRampInFlash(), that has room for one. */
 #include <StepRampAxis.h>
 
 const uint8_t BUTTON = A0;

@@ -2,7 +2,9 @@
  * 5, 6 to 9 and 10 to 13. A step is a third of a degree, and from stop to stop there are 945.
  *
  * First each needle runs back against its stop, which is 0 from then on. Then each gets a new target four times a
- * second, also while it is still on its way to the last one: it goes on from the speed that it has. */
+ * second, also while it is still on its way to the last one: it goes on from the speed that it has.
+ *
+ * It fits an Uno, a Mega and a Leonardo, with a timer, too. */
 #include <StepRamp.h>
 
 const uint8_t GAUGES = 3;

@@ -6,6 +6,7 @@ from collections.abc import Callable
 import pytest
 
 from firmware.arduino.board import EXAMPLES, LEONARDO, LIBRARY, MEGA, UNO, Sketch, build
+from firmware.arduino.sketches import source_of
 
 pytestmark = pytest.mark.usefixtures("arduino_tools")
 
@@ -32,6 +33,20 @@ def is_as_told(sketch: Sketch, told: int | None) -> bool:
 
 def test_the_page_names_each_example() -> None:
     assert sorted(TOLD) == EXAMPLES
+
+
+FITS = {
+    (True, True, True, True): "It fits an Uno, a Mega and a Leonardo, with a timer, too.",
+    (True, True, True, False): "It fits an Uno and a Mega, with a timer, too; a Leonardo without a timer.",
+    (True, True, False, False): "It fits an Uno and a Mega, with a timer, too; no Leonardo.",
+    (True, False, False, False): "It fits an Uno without a timer, and a Mega; no Leonardo.",
+}
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_an_example_says_at_its_head_where_it_fits(example: str) -> None:
+    head = source_of(example).partition("*/")[0]
+    assert FITS[tuple(told is not None for told in TOLD[example])] in " ".join(head.split())
 
 
 @pytest.mark.parametrize("example", EXAMPLES)

@@ -1,12 +1,13 @@
 """Which timer a sketch may choose, what it then may still have of its own, and the examples with a timer."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from firmware.arduino.board import LEONARDO, LIBRARY, MEGA, UNO, Board, build_files, build_sketch
-from firmware.arduino.sketches import image_in
+from firmware.arduino.board import LEONARDO, MEGA, UNO, Board, build_files, build_sketch
+from firmware.arduino.sketches import image_in, source_of
 
 pytestmark = pytest.mark.usefixtures("arduino_tools")
 
@@ -75,7 +76,7 @@ EXPORTED = ["LeadScrewStage", "ExportedRamp", "ThreeGauges"]
 def test_examples_with_a_timer_fit(
     tmp_path: Path, example: str, board: Board, record_property: Callable[..., None]
 ) -> None:
-    text = (LIBRARY / "examples" / example / f"{example}.ino").read_text()
+    text = source_of(example)
     source = tmp_path / f"{example}-timer.ino"
     source.write_text(f"#include <StepRampTimer1.h>\n{text}")
     sketch = build_sketch(source, board)
@@ -86,40 +87,61 @@ def test_examples_with_a_timer_fit(
     assert sketch.ram_bytes <= board.ram_bytes - 400
 
 
-WITHOUT_COMPUTING = """#include <StepRampAxis.h>
-{timer}
-const uint8_t RAMP[] PROGMEM = {{{bytes}}};
-StepRampAxis motor(4, 7);
+def built_with_exported_ramp(folder: Path, board: Board, timer: bool, text: str) -> int:
+    """Return the flash [bytes] of a sketch with an exported ramp, `RAMP`, in flash."""
+    ramp = ", ".join(map(str, image_in("ExportedRamp")))
+    lines = [TIMER if timer else "", "#include <StepRampAxis.h>", f"const uint8_t RAMP[] PROGMEM = {{{ramp}}};"]
+    source = folder / "exported.ino"
+    source.write_text("\n".join([*lines, text]))
+    sketch = build_sketch(source, board)
+    assert sketch.warnings == ""
+    return sketch.flash_bytes
 
-void setup() {{
-  {inputs}
-  motor.useRampInFlash(RAMP, sizeof RAMP);
-  if (motor.begin() == STEPRAMP_READY) {order};
-}}
 
-void loop() {{ motor.run(); }}
-"""
-TIMER, STOP = "#include <StepRampTimer1.h>", "StepRamp.setEmergencyStop(2);"
-SWITCH, MOVE, HOME = "motor.setLimitSwitches(9);", "motor.moveTo(800)", "motor.home(-500, 100)"
+TIMER = "#include <StepRampTimer1.h>"
 
 
 @pytest.mark.parametrize(
-    ("board", "timer", "inputs", "order"),
+    ("example", "board", "timer"),
     [
-        (LEONARDO, TIMER, "", MOVE),
-        (LEONARDO, "", STOP, MOVE),
-        (LEONARDO, "", SWITCH, MOVE),
-        (UNO, TIMER, STOP + SWITCH, HOME),
+        ("OneMotor", LEONARDO, True),
+        ("LineOfTwoMotors", LEONARDO, True),
+        ("StopInFlight", LEONARDO, True),
+        ("EmergencyStop", LEONARDO, False),
+        ("Homing", UNO, True),
     ],
-    ids=["leonardo-timer", "leonardo-stop", "leonardo-switch", "uno-all"],
 )
 def test_where_a_computed_ramp_does_not_an_exported_one_fits(
-    tmp_path: Path, board: Board, timer: str, inputs: str, order: str
+    tmp_path: Path, example: str, board: Board, timer: bool
 ) -> None:
-    """Nothing of computing is linked then, so that 1.5 KB are left for a sketch of one's own."""
-    source = tmp_path / "exported.ino"
-    ramp = ", ".join(map(str, image_in("ExportedRamp")))
-    source.write_text(WITHOUT_COMPUTING.format(timer=timer, bytes=ramp, inputs=inputs, order=order))
-    sketch = build_sketch(source, board)
-    assert sketch.warnings == ""
-    assert sketch.flash_bytes <= board.flash_bytes - 1500
+    """As nothing of computing is linked then. 1 KB is left for a sketch of one's own."""
+    text, changed = re.subn(r"\.setRamp\([^)]*\)", ".useRampInFlash(RAMP, sizeof RAMP)", source_of(example))
+    assert changed == 1
+    assert built_with_exported_ramp(tmp_path, board, timer, text) <= board.flash_bytes - 1000
+
+
+BY_STEPRAMP = """
+uint8_t ramp[sizeof RAMP];
+void setup() {{
+  memcpy_P(ramp, RAMP, sizeof ramp);
+  StepRamp.setStepper(0, 4, 7);
+  {}
+  StepRamp.begin(ramp, sizeof ramp);
+}}
+void loop() {{
+  StepRamp.poll();
+  {}
+}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("timer", "setup", "loop"),
+    [
+        (True, "StepRamp.setEmergencyStop(2);", "StepRamp.moveTo(0, 800); StepRamp.acknowledge();"),
+        (False, "StepRamp.setEmergencyStop(2); StepRamp.setLowLimit(0, 9);", "StepRamp.home(0, -4000, 20000);"),
+    ],
+)
+def test_without_an_axis_object_more_fits_a_leonardo(tmp_path: Path, timer: bool, setup: str, loop: str) -> None:
+    text = BY_STEPRAMP.format(setup, loop)
+    assert built_with_exported_ramp(tmp_path, LEONARDO, timer, text) <= LEONARDO.flash_bytes - 500

@@ -12,7 +12,8 @@
  *
  *     StepRampAxis x(2, 5);                              x.useRamp(${name}_ramp, sizeof ${name}_ramp); x.begin();
  *
- * On an AVR they can be in flash until begin() copies them: write PROGMEM behind the brackets, and x.useRampInFlash(...). */
+ * On an AVR they can be in flash until begin() copies them: write PROGMEM behind the brackets, and x.useRampInFlash(...). A sketch with
+ * nothing but exported ramps links no computing of ramps, so that 4 KB more are left. */
 #ifndef $guard
 #define $guard
 
