@@ -311,7 +311,7 @@ int main(void)
 {
     static char line[LONGEST_LINE];
     events = malloc(MOST_EVENTS * sizeof *events);
-    settings = settings_default();
+    settings_set_defaults(&settings);
     machine_begin();
     polled_engine_set_outputs(on_step, on_turn);
     machine_use(NULL, &settings);

@@ -16,6 +16,7 @@ from firmware.checker import CYCLES_PER_S
 from firmware.emergency_stops import (
     EVERY_MS,
     FIRST_MS,
+    GAUGE,
     JITTER_MS,
     PRESSES,
     ROLES,
@@ -29,17 +30,25 @@ from firmware.protocol import (
     ACKNOWLEDGE,
     AT_LIMIT,
     BY_EMERGENCY_STOP,
+    COMMIT,
+    DRIVER_FAULT,
+    HALT,
     HOME,
+    LINE,
     LOW_LIMIT,
     MOVE_BY,
+    MOVE_TO,
     OK,
     REPORT,
+    ROLL_BACK,
     RUN,
     SET_POSITION,
     STATUS,
     STOPPED,
     TRACE,
     WRITE_LIMITS,
+    WRITE_SETTINGS,
+    ZERO,
     InputSettings,
     InputsStatus,
     Settings,
@@ -158,6 +167,49 @@ def test_four_axes_are_homed_at_once(tmp_path: Path) -> None:
     last = [each for each in exchanges(played.frames) if each.kind == STATUS][-1]
     inputs = InputsStatus.unpack(last.reply[OUTPUT_STATUS_BYTES:])
     assert (inputs.homing, inputs.known) == (0, 15)
+
+
+@pytest.mark.parametrize("outputs", [0, 1], ids=["axes", "gauges"])
+def test_refusals_storing_and_rolling_back_leave_the_stack_its_margin(tmp_path: Path, outputs: int) -> None:
+    """What calls deepest: motions that are refused by a stop or at a switch, in flight too, lines, and loading."""
+    ramps = GAUGE.image(3) if outputs else image([RampDesign(9000, 90_000, 90_000)] * 4)
+    axes, roles = range(ramps[2]), ROLES | {1: DRIVER_FAULT, 2: LOW_LIMIT + 2}
+    far, near = dict.fromkeys(axes, 3000), dict.fromkeys(axes, -3000)
+    talk = Talk()
+    talk.begin(ramps, Settings(outputs=outputs), InputSettings(roles=roles))
+    talk.ask(REPORT, bytes([50]))
+    talk.ask(TRACE, b"\0\1\0")
+    talk.ask(COMMIT)
+    for _ in range(8):
+        talk.ask(STATUS, b"\0", wait_ms=350)
+    talk.ask(WRITE_SETTINGS, Settings(outputs=outputs).packed() + InputSettings(looks=5, roles=roles).packed())
+    talk.ask(ROLL_BACK)
+    deep = [
+        (MOVE_TO, for_axes(near)),
+        (ZERO, struct.pack("<BH", 2, 100)),
+        (HOME, struct.pack("<BIH", 4, 20_000, 30) + values_of({2: -9000})),
+        (RUN, for_axes(dict.fromkeys(axes, -9000))),
+        (LINE, bytes([3, 0]) + values_of({0: 30, 1: 40})),
+    ]
+    begin_ms, presses = 4300.0, []
+    for number in range(12):
+        at_ms = begin_ms + 260 * number
+        pin = 16 if number % 3 == 0 else STOP_PIN + number % 2
+        presses.append((pin, at_ms + 40, at_ms + 200 - 7 * number))
+        talk.ask(MOVE_BY, for_axes({0: 3000}))
+        for axis in (1, 2):
+            talk.ask(MOVE_BY, for_axes({axis: 3000}), wait_ms=5)
+            talk.ask(RUN, for_axes({axis: 0}))  # before its first step
+        talk.ask(MOVE_BY, for_axes(far), wait_ms=9)
+        for kind, body in deep * 3:
+            talk.ask(kind, body, wait_ms=1.3)
+        talk.ask(HALT)
+        talk.ask(ACKNOWLEDGE, wait_ms=60)
+        talk.ask(LINE, bytes([3, 0]) + values_of({0: 30, 1: 40}), wait_ms=20)
+    played = converse(build_firmware("INPUTS=yes"), tmp_path, talk.asked, presses)
+    said = {(each.kind, each.status) for each in exchanges(played.frames)}
+    assert {(ROLL_BACK, OK), (MOVE_TO, STOPPED), (ZERO, STOPPED), (HOME, STOPPED), (MOVE_TO, AT_LIMIT)} <= said
+    assert played.statistics["untouched_stack_bytes"] >= LEAST_STACK_BYTES
 
 
 def position(edges: npt.NDArray[np.void]) -> int:

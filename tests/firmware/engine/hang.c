@@ -20,7 +20,8 @@ static void wait_until(uint16_t ms)
 
 int main(void)
 {
-    struct settings settings = settings_default();
+    struct settings settings;
+    settings_set_defaults(&settings);
     settings.enable_flags = ENABLE_ACTIVE_HIGH;
     clock_begin();
     serial_begin();

@@ -178,7 +178,8 @@ static void halt(uint8_t axes)
 
 static void begin(void)
 {
-    struct settings settings = settings_default();
+    struct settings settings;
+    settings_set_defaults(&settings);
     job_read_head(&head);
     settings.outputs = head.mode == MODE_GAUGES ? OUTPUTS_GAUGES : OUTPUTS_STEP_AND_DIRECTION;
     settings.both_edges = head.both_edges;

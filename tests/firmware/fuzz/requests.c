@@ -52,7 +52,8 @@ static uint8_t make_data(uint8_t *body)
 
 static uint8_t make_settings(uint8_t *body)
 {
-    struct settings settings = settings_default();
+    struct settings settings;
+    settings_set_defaults(&settings);
     settings.outputs = (uint8_t)one_in(8);
     settings.both_edges = (uint8_t)below(16);
     settings.step_inverted = (uint8_t)below(16);

@@ -160,7 +160,7 @@ static OUT_OF_LINE void return_to(const struct feed *feed, struct homing *homing
     if (is_at_switch(feed->index, homing)) {
         finish(feed, homing);
     } else if (!machine_sees_limit(feed->index, homing->backward)) {
-        homing->clear_at = (uint16_t)machine_report(feed->index).position;
+        homing->clear_at = (uint16_t)machine_position(feed->index);
     }
 }
 

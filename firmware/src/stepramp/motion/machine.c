@@ -114,7 +114,7 @@ static uint8_t check_way(uint8_t axis, int32_t value, bool is_run, uint16_t *det
     if (!machine_way_may_be_blocked(axis)) {
         return STATUS_OK;
     }
-    int32_t from = is_run ? 0 : machine_report(axis).position; /* which takes a while */
+    int32_t from = is_run ? 0 : machine_position(axis); /* which takes a while */
     uint8_t status = machine_check_way(axis, value < from, detail);
     return value == from && status == STATUS_AT_LIMIT ? STATUS_OK : status;
 }

@@ -73,6 +73,9 @@ bool machine_runs(uint8_t axis);
 /* [steps] Where the motor will come to rest; while it runs at a speed, and at rest, its position. */
 int32_t machine_target(uint8_t axis);
 
+/* Where an axis is, that follows no line: in less room on the stack than all that machine_report() tells. */
+int32_t machine_position(uint8_t axis);
+
 /* How often a queue ran dry in a move since the start; 255 stays 255. */
 static inline uint8_t machine_starved(void)
 {

@@ -45,6 +45,13 @@ bool machine_runs(uint8_t index)
     return stepramp_feeds[index].axis.runs;
 }
 
+int32_t machine_position(uint8_t index)
+{
+    struct feed_progress progress;
+    feed_progress(&stepramp_feeds[index], &progress);
+    return progress.position;
+}
+
 int32_t machine_target(uint8_t index)
 {
     const struct feed *feed = &stepramp_feeds[index];
@@ -56,7 +63,5 @@ int32_t machine_target(uint8_t index)
     if (feed_is_moving(feed) && !feed->axis.runs) {
         return feed->axis.target;
     }
-    struct feed_progress progress;
-    feed_progress(feed, &progress);
-    return progress.position;
+    return machine_position(index);
 }

@@ -66,23 +66,21 @@ struct settings {
 enum { NO_LOWEST = INT32_MIN, NO_HIGHEST = INT32_MAX };
 #define PACKED_NO_LIMITS {0, 0, 0, 0x80, 0xFF, 0xFF, 0xFF, 0x7F}
 
-/* What holds as long as nothing is stored. */
-static inline struct settings settings_default(void)
+/* What holds as long as nothing is stored; in place, as a copy would take its room on the stack. */
+static inline void settings_set_defaults(struct settings *settings)
 {
-    struct settings settings;
-    memset(&settings, 0, sizeof settings);
-    settings.direction_setup_us = 30;
-    settings.enable_lead_ms = 1;
-    settings.enable_hold_ms = HOLD_FOR_EVER;
+    memset(settings, 0, sizeof *settings);
+    settings->direction_setup_us = 30;
+    settings->enable_lead_ms = 1;
+    settings->enable_hold_ms = HOLD_FOR_EVER;
 #if HAS_INPUTS
-    settings.silence = USUAL_SILENCE;
-    settings.looks = 4;
+    settings->silence = USUAL_SILENCE;
+    settings->looks = 4;
     for (uint8_t axis = 0; axis < AXES; axis++) {
-        write_u32(settings.soft_limits[axis], (uint32_t)NO_LOWEST);
-        write_u32(settings.soft_limits[axis] + 4, NO_HIGHEST);
+        write_u32(settings->soft_limits[axis], (uint32_t)NO_LOWEST);
+        write_u32(settings->soft_limits[axis] + 4, NO_HIGHEST);
     }
 #endif
-    return settings;
 }
 
 /* Checks packed settings. Returns the index of the first byte of the first setting that is out of its range, or
@@ -108,7 +106,8 @@ static inline void settings_pack(const struct settings *settings, uint8_t bytes[
 
 static inline struct settings settings_unpack(const uint8_t bytes[SETTINGS_BYTES])
 {
-    struct settings settings = settings_default();
+    struct settings settings;
+    settings_set_defaults(&settings);
     memcpy(&settings, bytes, SETTINGS_BYTES);
     settings.direction_setup_us = read_u16(bytes + offsetof(struct settings, direction_setup_us));
     settings.enable_lead_ms = read_u16(bytes + offsetof(struct settings, enable_lead_ms));

@@ -100,11 +100,11 @@ static uint8_t *content_bytes(void)
 
 void eeprom_slots_use_defaults(void)
 {
-    struct settings settings = settings_default();
-    stepramp_slot_content.settings = settings;
-    if (!IS_LITTLE_ENDIAN) {
-        settings_pack(&settings, content_bytes());
-    }
+    settings_set_defaults(&stepramp_slot_content.settings);
+#if !IS_LITTLE_ENDIAN
+    struct settings settings = stepramp_slot_content.settings;
+    settings_pack(&settings, content_bytes());
+#endif
 }
 
 /* Loads the slot if it holds something good, or all but its settings. What is new in the settings since its format gets its
