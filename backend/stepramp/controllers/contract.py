@@ -300,6 +300,10 @@ class Controller(Protocol):
     def listen(self) -> ControllerStatus | None:
         """Return what the controller has said of itself since the last call, without asking; None for nothing."""
 
+    def stops_of_others(self) -> int:
+        """Return how many stops and halts of somebody else it was heard to obey by now, over this connection."""
+        return 0
+
     def prepare_push(
         self, designs: Sequence[Design], first_axis: int | None = None, mode: PushMode = "keep"
     ) -> Callable[[], PushReport]:

@@ -198,6 +198,7 @@ class Attachment:
             return IDLE_POLL_S
         self._runs.let_end()
         self._watch.look()
+        self._stopping.heed_others()
         self._stopping.settle_at_rest()
         self._to_and_fro.go_on()
         self._homings.go_on()

@@ -11,7 +11,7 @@ from stepramp.devices.leases import Lease, Leases
 from stepramp.devices.live_view import LiveView
 from stepramp.devices.permit import Permit
 from stepramp.devices.stopping import Stopping
-from stepramp.devices.stops import Order
+from stepramp.devices.stops import OVERTAKEN, Order, Overtaken
 from stepramp.devices.view import UNDER_WAY
 from stepramp.devices.watch import Watch
 from stepramp.errors import DeviceLost, Rescaled, StepRampError
@@ -137,10 +137,14 @@ class SettingOut:
         self, axes: Collection[int], request_number: int, begin: Callable[[], None], lease: Lease | None = None
     ) -> None:
         """Set axes in motion for what was asked then."""
+        self._stopping.heed_others()
         try:
             with self._permit.given(request_number, lease):
                 begin()
             self._stopping.settle_refused(request_number)
+            if self._stopping.heed_others():
+                # What was told in between set out after it, or was stopped by it.
+                raise Overtaken(OVERTAKEN)
         except DeviceLost:
             # It may wait on the way, in a machine that hangs or a network, and set out once that goes on.
             if self._permit.has_sent:

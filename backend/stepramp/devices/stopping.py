@@ -65,6 +65,8 @@ class Stopping:
         self._known = known
         self._begun_s: dict[Send, float] = {}
         """When the last stop, and halt, of all axes began that was granted."""
+        self._heard_of_others = 0
+        """How many stops of somebody else are heeded, of those that the present controller has told."""
         self._refused: int | None = None
         """The last stop that is owed and that the present controller has refused."""
 
@@ -123,6 +125,7 @@ class Stopping:
         self._known = known
         self._begun_s.clear()
         self._refused = None
+        self._heard_of_others = controller.stops_of_others()
         self._contact.greet(controller)
         owed = self._owed.newest(self._known)
         if owed is not None:
@@ -140,6 +143,20 @@ class Stopping:
     def owe_what_may_have_set_out(self) -> None:
         """Stop what nobody answers for as soon as it does: whoever asked for a motion was told that it failed."""
         self._owed.owe(self._known)
+
+    def heed_others(self) -> bool:
+        """Take a stop that somebody else has told the controller as one of all axes; return whether there was one."""
+        heard = self._contact.controller.stops_of_others()
+        if heard == self._heard_of_others:
+            return False
+        self._heard_of_others = heard
+        self._view.log("stopped by somebody else on the line")
+        self._stops.note()
+        self.show()
+        self._leases.drop()
+        self._watch.is_view_old = True
+        self._view.change(lambda view: view.stopping(None).without_errand(None))
+        return True
 
     def settle_at_rest(self) -> None:
         """Owe nothing any more that was refused, once everything was seen at rest since."""

@@ -16,6 +16,9 @@ NS_PER_NUMBER = 1000
 """No server gives so many numbers that the next to start would begin among them; a JavaScript number holds them."""
 
 
+OVERTAKEN = "A stop came first: what was asked before it is not carried out."
+
+
 class Overtaken(Refused):
     """A stop came after what was asked, or is still to be answered."""
 
@@ -105,4 +108,4 @@ class Stops:
     def refuse_overtaken(self, request_number: int) -> None:
         """Raise Overtaken when a stop came after what was asked then, or is still to be answered."""
         if self.have_overtaken(request_number):
-            raise Overtaken("A stop came first: what was asked before it is not carried out.")
+            raise Overtaken(OVERTAKEN)

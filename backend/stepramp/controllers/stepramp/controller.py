@@ -171,6 +171,11 @@ class StepRampController(
         self._status = after
         return after
 
+    def stops_of_others(self) -> int:
+        """Return how many stops of others were heard; see Controller. What else has come in waits to be listened to."""
+        self._conversation.listen()
+        return self._conversation.stops_of_others
+
     def prepare_push(
         self, designs: Sequence[Design], first_axis: int | None = None, mode: PushMode = "keep"
     ) -> Callable[[], PushReport]:

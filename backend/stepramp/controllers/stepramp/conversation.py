@@ -12,6 +12,7 @@ from stepramp.controllers.stepramp.input_roles import InputRole
 from stepramp.controllers.stepramp.messages.body import Notice, Reply, Request
 from stepramp.controllers.stepramp.messages.kinds import NOTICE_KINDS, unpack_notice
 from stepramp.controllers.stepramp.messages.message import REPLY, Message
+from stepramp.controllers.stepramp.messages.motion import HaltRequest, StopRequest
 from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus, unpack_reply
 from stepramp.controllers.stepramp.messages.session import (
     OLDEST_VERSION,
@@ -36,6 +37,8 @@ FIRST_COMMAND = 0x80
 REPLY_TIMEOUT_S = 0.2
 MOST_REPEATS = 3
 
+ANSWERS_TO_STOPS = (StopRequest.KIND | REPLY, HaltRequest.KIND | REPLY)
+
 R = TypeVar("R", bound=Reply)
 
 
@@ -56,6 +59,8 @@ class Conversation:
         self._tag = 0xFF
         self._requests_made = 0
         self._heard_bytes = self._heard_messages = 0
+        self.stops_of_others = 0
+        """Stops and halts that were answered to somebody else on this line, such as those that are bytes alone."""
         self.roles: Sequence[InputRole] = ()
         """What the controller's inputs are for: refusals name those that are in the way."""
         self.soft_limits: Sequence[SoftLimit] = ()
@@ -164,7 +169,12 @@ class Conversation:
         self._heard_messages += sum(1 for message in messages if message.kind & REPLY)
 
     def _sort(self, message: Message) -> None:
-        """Keep a message if it is a notice of this session; a reply that nobody waits for any more is dropped."""
+        """Keep a message if it is a notice of this session; a reply that nobody waits for any more is dropped.
+
+        What has stopped at the word of somebody else rests as surely as at ours: that is counted.
+        """
+        if message.kind in ANSWERS_TO_STOPS and message.session != self._session:
+            self.stops_of_others += 1
         if message.kind in NOTICE_KINDS and message.session == self._session:
             notice = unpack_notice(message)
             if notice is not None:

@@ -4,6 +4,7 @@ COBS is Cheshire and Baker, "Consistent Overhead Byte Stuffing", 1999.
 """
 
 import binascii
+from collections.abc import Mapping
 
 from cobs import cobs  # type: ignore[import-untyped]
 
@@ -42,9 +43,10 @@ def decode_frame(frame: bytes) -> bytes | None:
 
 
 class FrameSplitter:
-    """Cuts a stream of bytes into messages, and drops what isn't one."""
+    """Cuts a stream of bytes into messages, and drops what isn't one. instead: messages that other frames stand for."""
 
-    def __init__(self) -> None:
+    def __init__(self, instead: Mapping[bytes, bytes] | None = None) -> None:
+        self._instead = instead or {}
         self._pending = bytearray()
 
     def feed(self, data: bytes) -> list[bytes]:
@@ -52,5 +54,5 @@ class FrameSplitter:
         *frames, rest = (bytes(self._pending) + data).split(b"\0")
         # Noise without zeros must not pile up; one byte too many is enough to be known as too long.
         self._pending = bytearray(rest[:LONGEST_FRAME])
-        messages = (decode_frame(frame) for frame in frames)
+        messages = (self._instead.get(frame) or decode_frame(frame) for frame in frames)
         return [message for message in messages if message is not None]

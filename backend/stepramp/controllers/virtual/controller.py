@@ -121,6 +121,11 @@ IN_FLIGHT = (MoveByRequest, MoveToRequest, RunRequest)
 FOR_AXES = (AxesRequest, LineRequest, ZeroRequest, HomeRequest)
 ALWAYS_OBEYED = (HelloRequest.KIND, StopRequest.KIND, HaltRequest.KIND)
 """Kinds that are obeyed whoever asks, and each time that they come."""
+BYTES_ALONE = {
+    b"\xff\xff": Message(StopRequest.KIND, 0, 0, b"").pack(),
+    b"\xfe\xfe": Message(HaltRequest.KIND, 0, 0, b"").pack(),
+}
+"""What stops it outside of all frames, and as which message it is answered."""
 
 
 class VirtualController:
@@ -141,7 +146,7 @@ class VirtualController:
         self.world.places = [self._machine.place(axis) for axis in range(MOST_AXES)]
         self.memory.settle(self._clock())
         self.memory.cut_power()
-        self._splitter = FrameSplitter()
+        self._splitter = FrameSplitter(BYTES_ALONE)
         self._session = 0
         self._version = PROTOCOL_VERSION
         self._last_answer: dict[tuple[int, int, int], Message] = {}
