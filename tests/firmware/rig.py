@@ -234,9 +234,12 @@ Work = Callable[[BusyClient], object]
 
 
 def play(make: Make, ramps: bytes, *work: Work, settings: Settings | None = None, **options: Any) -> Played:
-    """Let a controller with these ramps do some work, one after the other, while the line is kept busy."""
+    """Let a controller with these ramps do some work, one after the other, while the line is kept busy.
+
+    In real time: run as fast as it can, it would be farther than was waited for by when it hears of it.
+    """
     axes = ramps[2]
-    with make(**{"real_time": False, **options}) as simulated, BusyClient(simulated.port) as client:
+    with make(**options) as simulated, BusyClient(simulated.port) as client:
         client.hello()
         if settings is not None:
             client.write_settings(settings)

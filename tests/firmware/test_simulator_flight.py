@@ -146,7 +146,7 @@ def test_stop_and_halt_are_answered_at_once(
     simulated_controller: Make, record_property: Callable[..., None], kind: int
 ) -> None:
     """Within 10 ms at 150,000 steps/s. The ramp is stored before, as checking one takes longer."""
-    with simulated_controller(real_time=False) as simulated, BusyClient(simulated.port) as client:
+    with simulated_controller() as simulated, BusyClient(simulated.port) as client:
         client.hello()
         client.push(image([FAST]))
     with simulated, BusyClient(simulated.port) as client:
