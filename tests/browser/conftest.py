@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Iterator
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, Request, Route, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, Request, expect, sync_playwright
 
 from browser.server import CHROMIUM, CHROMIUM_ARGUMENTS, Server
 from browser.stepramp_page import GUIDE_CLOSED, StepRampPage
@@ -13,6 +13,19 @@ from tools import require
 DESKTOP = (1440, 900)
 OUTSIDE = (-9, -9)
 """Where a pointer is over nothing of a page."""
+# A route of Playwright's would answer as well, but with one the browser keeps nothing: it fetches all anew.
+PORT_FOUND = """const found = location.protocol.startsWith('http') && JSON.parse(sessionStorage.getItem('tests.found'));
+if (found) {
+    const { fetch } = globalThis;
+    globalThis.fetch = async (address, options) => {
+        const answer = await fetch(address, options);
+        if (!answer.ok || !String(address).endsWith('/api/v1/ports')) return answer;
+        const known = await answer.json();
+        known.ports.unshift({ ...found, families: known.families.map(({ name }) => name) });
+        return Response.json(known);
+    };
+}"""
+"""Adds the port that a tab was told of to those that the server finds."""
 # A machine that is busy is slow, not wrong.
 PATIENCE_MS = 60_000
 expect.set_options(timeout=PATIENCE_MS)
@@ -60,6 +73,11 @@ class Watch:
         unexpected = [text for text in self.errors if not any(re.search(one, text) for one in self.expected)]
         assert unexpected == []
         assert self.elsewhere == []
+
+    def forget(self) -> None:
+        """Begin anew, for the next test of the same page."""
+        for noted in (self.expected, self.errors, self.elsewhere):
+            noted.clear()
 
 
 @pytest.fixture(scope="session")
@@ -116,11 +134,13 @@ class Tabs:
         self._used: list[Page] = []
 
     def take(self, watch: Watch, size: tuple[int, int] = DESKTOP, theme: str = "dark") -> Page:
-        """Return an empty tab, in which the guide is closed."""
+        """Return an empty tab at the server's address, in which the guide is closed."""
         page, self._free = self._free, None
         if page is None:
             page = new_page(self._context, watch, size, theme)
             page.add_init_script(GUIDE_CLOSED)
+            page.add_init_script(PORT_FOUND)
+            page.goto(f"{self._url}favicon.svg")
         else:
             make_ready(page, watch, size, theme)
             page.bring_to_front()
@@ -173,15 +193,8 @@ def open_page(tabs: Tabs, server: Server, watch: Watch) -> Iterator[Callable[...
 
 def finding(port: str, name: str) -> Callable[[Page], None]:
     """Return what lets a page find a port of any family, and the virtual one."""
-
-    def told(route: Route) -> None:
-        answer = route.fetch(max_retries=2)  # a connection that was kept may just have been closed
-        known = answer.json()
-        others = [family["name"] for family in known["families"]]
-        known["ports"].insert(0, {"port": port, "name": name, "virtual": False, "families": others})
-        route.fulfill(response=answer, json=known)
-
-    return lambda page: page.route("**/api/v1/ports", told)
+    found = {"port": port, "name": name, "virtual": False}
+    return lambda page: page.evaluate("(found) => sessionStorage.setItem('tests.found', JSON.stringify(found))", found)
 
 
 @pytest.fixture(scope="module")
@@ -197,6 +210,25 @@ def module_page(tabs: Tabs, shared_server: Server, module_watch: Watch) -> Itera
     page = tabs.take(module_watch)
     yield StepRampPage(page, shared_server.url).load()
     tabs.give_back(page, module_watch)
+
+
+@pytest.fixture
+def shared_watch(module_watch: Watch, server: Server) -> Iterator[Watch]:
+    """Watch the module's page, and any other, for one test: it alone expects what it expects."""
+    del server  # it lets go of devices after each test
+    yield module_watch
+    try:
+        module_watch.check()
+    finally:
+        module_watch.forget()
+
+
+@pytest.fixture
+def shared_page(module_page: StepRampPage, shared_watch: Watch) -> StepRampPage:
+    """Return the module's page as it was at first."""
+    del shared_watch
+    module_page.start_over()
+    return module_page
 
 
 def new_page(context: BrowserContext, watch: Watch, size: tuple[int, int] = DESKTOP, theme: str = "dark") -> Page:
