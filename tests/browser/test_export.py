@@ -1,7 +1,7 @@
 """The export dialog: every format with its preview, copy, download, refusals; by keyboard alone."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -48,7 +48,25 @@ class ExportDialog:
 
 
 @pytest.fixture
-def dialog(stepramp: StepRampPage) -> ExportDialog:
+def watch(shared_watch: Watch) -> Watch:
+    return shared_watch
+
+
+@pytest.fixture
+def dialog(shared_page: StepRampPage) -> Iterator[ExportDialog]:
+    """Open the dialog of the module's page at its first format."""
+    shared_page.page.locator("#head-export").click()
+    opened = ExportDialog(shared_page.page)
+    opened.choose("c_segments")
+    yield opened
+    if opened.element.is_visible():
+        shared_page.page.keyboard.press("Escape")
+        expect(opened.element).to_be_hidden()
+
+
+@pytest.fixture
+def own_dialog(stepramp: StepRampPage) -> ExportDialog:
+    """Open that of a page of the test's own: it is not as it was afterwards."""
     stepramp.page.locator("#head-export").click()
     opened = ExportDialog(stepramp.page)
     opened.wait_for("c_segments")
@@ -99,85 +117,87 @@ def test_a_copy_goes_to_the_clipboard(dialog: ExportDialog, context: BrowserCont
     context.clear_permissions()
 
 
-def test_options_change_the_file(dialog: ExportDialog) -> None:
-    dialog.choose("c_newton")
-    dialog.page.locator("#export-name").fill("x_axis")
-    dialog.element.get_by_label("Computes in").select_option("fixed")
-    expect(dialog.preview).to_contain_text("in fixed.")
-    expect(dialog.preview).to_contain_text("static inline x_axis_ticks x_axis_next(")
-    dialog.choose("c_segments")
-    expect(dialog.element.get_by_label("Computes in")).to_be_hidden()
-    dialog.page.locator("#export-bound").fill("9")
-    expect(dialog.preview).to_contain_text("9 ticks from what is planned")
+def test_options_change_the_file(own_dialog: ExportDialog) -> None:
+    own_dialog.choose("c_newton")
+    own_dialog.page.locator("#export-name").fill("x_axis")
+    own_dialog.element.get_by_label("Computes in").select_option("fixed")
+    expect(own_dialog.preview).to_contain_text("in fixed.")
+    expect(own_dialog.preview).to_contain_text("static inline x_axis_ticks x_axis_next(")
+    own_dialog.choose("c_segments")
+    expect(own_dialog.element.get_by_label("Computes in")).to_be_hidden()
+    own_dialog.page.locator("#export-bound").fill("9")
+    expect(own_dialog.preview).to_contain_text("9 ticks from what is planned")
 
 
-def test_what_a_machine_loses_is_shown_beside_what_it_is_given(dialog: ExportDialog, watch: Watch) -> None:
+def test_what_a_machine_loses_is_shown_beside_what_it_is_given(own_dialog: ExportDialog, watch: Watch) -> None:
     watch.expected.append(REFUSED_VALUE)
-    remarks = dialog.page.locator("#export-remarks")
+    remarks = own_dialog.page.locator("#export-remarks")
     expect(remarks).to_be_hidden()
-    dialog.choose("marlin")
+    own_dialog.choose("marlin")
     for lost in (
         "Base speed 0 steps/s is not kept: Marlin starts and ends at 120 steps/s.",
         "The method Exact is not kept: Marlin works its intervals out itself.",
     ):
         expect(remarks.locator("li").filter(has_text=lost)).to_have_count(1)
-    dialog.element.get_by_label("Axis of the machine").select_option("Z")
-    expect(dialog.preview).to_contain_text("M203 Z")
-    dialog.choose("klipper")
-    expect(dialog.preview).to_contain_text("max_z_velocity")
-    dialog.choose("tic")
-    expect(dialog.element.get_by_label("Axis of the machine")).to_be_hidden()
-    dialog.choose("csv")
+    own_dialog.element.get_by_label("Axis of the machine").select_option("Z")
+    expect(own_dialog.preview).to_contain_text("M203 Z")
+    own_dialog.choose("klipper")
+    expect(own_dialog.preview).to_contain_text("max_z_velocity")
+    own_dialog.choose("tic")
+    expect(own_dialog.element.get_by_label("Axis of the machine")).to_be_hidden()
+    own_dialog.choose("csv")
     expect(remarks).to_be_hidden()
     # What it can't take is called what the page calls it.
-    dialog.choose("teensystep")
+    own_dialog.choose("teensystep")
     set_to = "(field) => { field.value = '0.5'; field.dispatchEvent(new Event('input')); }"
-    StepRampPage(dialog.page, dialog.page.url).field(SLEW_SPEED).evaluate(set_to)
-    expect(dialog.preview.locator(".message")).to_contain_text("Slew speed is 0.5; allowed: a number from 1 to 65,535")
+    StepRampPage(own_dialog.page, own_dialog.page.url).field(SLEW_SPEED).evaluate(set_to)
+    expect(own_dialog.preview.locator(".message")).to_contain_text(
+        "Slew speed is 0.5; allowed: a number from 1 to 65,535"
+    )
     expect(remarks).to_be_hidden()
 
 
-def test_what_a_machine_loses_is_told_in_the_units_that_are_shown(stepramp: StepRampPage) -> None:
-    lost = stepramp.page.locator("#export-remarks li", has_text="Base speed")
+def test_what_a_machine_loses_is_told_in_the_units_that_are_shown(shared_page: StepRampPage) -> None:
+    lost = shared_page.page.locator("#export-remarks li", has_text="Base speed")
     text = "Base speed {start} is not kept: Marlin starts and ends at {own}."
     for unit, start, own in (("mm", "0 mm/s", "2.4 mm/s"), ("steps", "0 steps/s", "120 steps/s")):
-        stepramp.page.locator(f'#length-unit [data-value="{unit}"]').click()
-        stepramp.page.locator("#head-export").click()
-        dialog = ExportDialog(stepramp.page)
+        shared_page.page.locator(f'#length-unit [data-value="{unit}"]').click()
+        shared_page.page.locator("#head-export").click()
+        dialog = ExportDialog(shared_page.page)
         dialog.choose("marlin")
         expect(lost).to_have_text(text.format(start=start, own=own))
         expect(dialog.preview).to_contain_text("120 steps/s")
-        stepramp.page.keyboard.press("Escape")
+        shared_page.page.keyboard.press("Escape")
         expect(dialog.element).to_be_hidden()
 
 
-def test_refusals_are_shown_and_what_is_right_again_is_exported(dialog: ExportDialog, watch: Watch) -> None:
+def test_refusals_are_shown_and_what_is_right_again_is_exported(own_dialog: ExportDialog, watch: Watch) -> None:
     watch.expected.append(REFUSED_VALUE)
-    dialog.choose("c_newton")
-    dialog.page.locator("#export-name").fill("2 axes")
-    expect(dialog.preview.locator(".message")).to_contain_text("name is '2 axes'; allowed: a letter, then letters")
-    expect(dialog.download).to_be_disabled()
-    expect(dialog.copy).to_be_disabled()
-    dialog.page.locator("#export-name").fill("axis_2")
-    expect(dialog.download).to_be_enabled()
+    own_dialog.choose("c_newton")
+    own_dialog.page.locator("#export-name").fill("2 axes")
+    expect(own_dialog.preview.locator(".message")).to_contain_text("name is '2 axes'; allowed: a letter, then letters")
+    expect(own_dialog.download).to_be_disabled()
+    expect(own_dialog.copy).to_be_disabled()
+    own_dialog.page.locator("#export-name").fill("axis_2")
+    expect(own_dialog.download).to_be_enabled()
 
 
-def test_a_preview_that_is_not_shown_any_more_is_let_go_of(dialog: ExportDialog) -> None:
+def test_a_preview_that_is_not_shown_any_more_is_let_go_of(own_dialog: ExportDialog) -> None:
     """The browser keeps a picture for as long as it has an address."""
     kept = "() => [...globalThis.kept]"
-    dialog.page.evaluate("""() => { const kept = globalThis.kept = new Set();
+    own_dialog.page.evaluate("""() => { const kept = globalThis.kept = new Set();
         const {createObjectURL, revokeObjectURL} = URL;
         URL.createObjectURL = (file) => { const url = createObjectURL.call(URL, file); kept.add(url); return url; };
         URL.revokeObjectURL = (url) => { kept.delete(url); revokeObjectURL.call(URL, url); }; }""")
     for name in PICTURES:
-        dialog.choose(name)
-        assert dialog.page.evaluate(kept) == [dialog.preview.locator("img").get_attribute("src")]
-    dialog.choose("csv")
-    assert dialog.page.evaluate(kept) == []
-    dialog.choose("svg")
-    dialog.page.keyboard.press("Escape")
-    expect(dialog.element).to_be_hidden()
-    until(lambda: dialog.page.evaluate(kept) == [])
+        own_dialog.choose(name)
+        assert own_dialog.page.evaluate(kept) == [own_dialog.preview.locator("img").get_attribute("src")]
+    own_dialog.choose("csv")
+    assert own_dialog.page.evaluate(kept) == []
+    own_dialog.choose("svg")
+    own_dialog.page.keyboard.press("Escape")
+    expect(own_dialog.element).to_be_hidden()
+    until(lambda: own_dialog.page.evaluate(kept) == [])
 
 
 def test_it_works_by_keyboard_alone(stepramp: StepRampPage) -> None:
@@ -200,18 +220,20 @@ def test_it_works_by_keyboard_alone(stepramp: StepRampPage) -> None:
     expect(page.locator("#head-export")).to_be_focused()
 
 
-def test_the_export_follows_the_design(dialog: ExportDialog, stepramp: StepRampPage) -> None:
+def test_the_export_follows_the_design(dialog: ExportDialog, shared_page: StepRampPage) -> None:
     dialog.choose("json")
-    stepramp.field(SLEW_SPEED).evaluate("(field) => { field.value = '900'; field.dispatchEvent(new Event('input')); }")
+    shared_page.field(SLEW_SPEED).evaluate(
+        "(field) => { field.value = '900'; field.dispatchEvent(new Event('input')); }"
+    )
     expect(dialog.preview).to_contain_text('"slew_speed_steps_per_s": 900')
 
 
-def test_a_server_that_is_gone_is_told(dialog: ExportDialog, watch: Watch) -> None:
+def test_a_server_that_is_gone_is_told(own_dialog: ExportDialog, watch: Watch) -> None:
     watch.expected.append("ERR_FAILED")
-    dialog.page.route("**/api/v1/export/*", lambda route: route.abort())
-    dialog.choose("csv")
-    expect(dialog.preview.locator(".message")).to_contain_text("The server does not answer")
-    expect(dialog.download).to_be_disabled()
+    own_dialog.page.route("**/api/v1/export/*", lambda route: route.abort())
+    own_dialog.choose("csv")
+    expect(own_dialog.preview.locator(".message")).to_contain_text("The server does not answer")
+    expect(own_dialog.download).to_be_disabled()
 
 
 def test_stop_stays_in_reach_and_the_dialog_fits_a_phone(open_page: Callable[..., StepRampPage]) -> None:

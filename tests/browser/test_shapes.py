@@ -1,5 +1,7 @@
 """The choice of a ramp's shape on the page: its own parameters, what is drawn, short moves, what is refused."""
 
+from collections.abc import Callable
+
 import pytest
 from playwright.sync_api import expect
 
@@ -8,6 +10,16 @@ from browser.stepramp_page import REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
 
 JERK = "ramp.shape.jerk_steps_per_s3"
 JERK_DOWN = "ramp.shape.deceleration_jerk_steps_per_s3"
+
+
+@pytest.fixture
+def watch(shared_watch: Watch) -> Watch:
+    return shared_watch
+
+
+@pytest.fixture
+def stepramp(shared_page: StepRampPage) -> StepRampPage:
+    return shared_page
 
 
 def test_a_shape_is_chosen_and_its_parameters_change_the_ramp(stepramp: StepRampPage, watch: Watch) -> None:
@@ -152,7 +164,8 @@ def test_ramps_of_different_shapes_are_compared_in_words(stepramp: StepRampPage)
     expect(page.locator(".comparison")).to_be_hidden()
 
 
-def test_the_page_says_what_the_controller_makes_of_other_lengths(stepramp: StepRampPage) -> None:
+def test_the_page_says_what_the_controller_makes_of_other_lengths(open_page: Callable[..., StepRampPage]) -> None:
+    stepramp = open_page()
     page, note = stepramp.page, stepramp.page.locator(".choice:has(#short-moves) .choice-note")
     expect(note).to_be_hidden()
     page.locator("#shape").select_option("s_curve")
@@ -168,7 +181,10 @@ def test_the_page_says_what_the_controller_makes_of_other_lengths(stepramp: Step
 POINTS = [[0, 1], [500, 1], [1000, 0.5]]
 
 
-def test_drawn_points_are_dragged_nudged_added_and_removed_in_their_plot(stepramp: StepRampPage, watch: Watch) -> None:
+def test_drawn_points_are_dragged_nudged_added_and_removed_in_their_plot(
+    open_page: Callable[..., StepRampPage], watch: Watch
+) -> None:
+    stepramp = open_page()
     page = stepramp.page
     watch.expected.append(REFUSED_VALUE)
     page.locator("#shape").select_option("drawn")

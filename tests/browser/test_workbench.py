@@ -9,6 +9,16 @@ from browser.conftest import Watch
 from browser.stepramp_page import ACCELERATION, REFUSED_VALUE, SLEW_SPEED, StepRampPage, until
 
 
+@pytest.fixture
+def watch(shared_watch: Watch) -> Watch:
+    return shared_watch
+
+
+@pytest.fixture
+def stepramp(shared_page: StepRampPage) -> StepRampPage:
+    return shared_page
+
+
 def undo(stepramp: StepRampPage) -> None:
     stepramp.page.keyboard.press("Control+z")
 
@@ -58,7 +68,8 @@ def test_everything_is_undone_and_done_again(stepramp: StepRampPage) -> None:
     assert stepramp.table_rows() == [["10", "5,000"], ["30", "1,500"]]
 
 
-def test_a_drag_of_a_slider_is_one_step_back(stepramp: StepRampPage) -> None:
+def test_a_drag_of_a_slider_is_one_step_back(open_page: Callable[..., StepRampPage]) -> None:
+    stepramp = open_page()
     field, slider = stepramp.field(SLEW_SPEED), stepramp.slider(SLEW_SPEED)
     before, box = field.input_value(), slider.bounding_box()
     assert box is not None
