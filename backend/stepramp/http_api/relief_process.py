@@ -13,11 +13,12 @@ from typing import Any, NamedTuple
 from fastapi import APIRouter, FastAPI
 from starlette.types import ASGIApp, Message
 
+from stepramp.executors.priority import be_nicer
 from stepramp.http_api import planning
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.errors import handle_errors
 from stepramp.http_api.formats import IN_ANY_FORMAT, AnyFormat
-from stepramp.http_api.lanes import AT_ONCE, COMPILED, profile_turns
+from stepramp.http_api.lanes import AT_ONCE, COMPILED, NICER, profile_turns
 from stepramp.http_api.planned import Planned
 from stepramp.http_api.planning_models import ProfileAnswer, ProfilePayload
 from stepramp.ramp.warm_up import warm_up
@@ -49,6 +50,7 @@ def begin() -> None:
     """Make a process ready: with its numerics compiled, and ending when the server does, however that ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C reaches both; the server ends this one.
     threading.Thread(target=_end_with_server, daemon=True).start()
+    be_nicer(NICER)
     warm_up()
     COMPILED.set()
     _application()
