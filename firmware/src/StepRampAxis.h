@@ -80,7 +80,7 @@ public:
     StepRampResult runAt(float speed);
 
     /* To a limit switch at this speed [steps/s], which is the low one below 0; back off, by a step at least, and again slowly: where it sees the switch then is
-     * position 0, and it comes to rest a few steps beyond: position() is -1 to -4 or so, at the high switch 1 to 4. It
+     * position 0, and it comes to rest a few steps beyond: position() is 0 to -4 or so then, at the high switch 0 to 4. It
      * moves until that is done, and isHomed() then; not so if the switch stays as it is for 64 times stepsBack beyond the way to it.
      * STEPRAMP_OUT_OF_RANGE where no switch has been set at that end, where a speed is above the ramp's, or 0, and where the slow one is below 0. */
     StepRampResult home(float speed, float slowSpeed, uint16_t stepsBack = 20);

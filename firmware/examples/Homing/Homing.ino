@@ -1,5 +1,5 @@
 /* A motor that finds its place by a limit switch: it runs to the switch, backs off, and comes again slowly; where it sees the
- * switch then is position 0. It comes to rest some steps beyond, so that position() is then -1, -2 or so. It goes to step 400, and homes again.
+ * switch then is position 0. It comes to rest some steps beyond, so that position() is 0 to -4 then. It goes to step 400, and homes again.
  *
  * A driver's step is on pin 2, its direction on pin 5. The switch lies between pin 9 and ground, at the end where positions are
  * small, and closes when it is pressed; for one that opens add STEPRAMP_OPENS.
