@@ -3,6 +3,7 @@
 import pytest
 
 from firmware import protocol as p
+from firmware.controller.client import WHOLE_COMMIT
 from firmware.inputs.machine import (
     FAULT_INPUT,
     FOUR_AXES,
@@ -23,6 +24,8 @@ MOTIONS = [
     (p.HOME, bytes([1]) + (20_000).to_bytes(4, "little") + bytes([5, 0]) + values_of({0: -3000})),
 ]
 WHILE_SETTLING_MS = 4 + 3
+ROLES_AT = 15
+"""Among the packed settings."""
 
 
 @pytest.mark.parametrize(("number", "cause"), [(STOP_INPUT, p.BY_EMERGENCY_STOP), (FAULT_INPUT, p.BY_DRIVER_FAULT)])
@@ -68,13 +71,68 @@ def test_an_emergency_stop_is_final_however_short_it_is(machine: Machine) -> Non
 
 
 def test_an_emergency_stop_that_is_there_from_the_beginning_is_seen(machine: Machine) -> None:
-    machine.give(InputSettings())
+    machine.ok(p.COMMIT)
+    machine.run(WHOLE_COMMIT)
+    machine.driver.ask("begin")
     machine.pull_down(STOP_INPUT)
-    machine.pass_ms(20)
-    assert machine.inputs().stopped_by == 0
-    machine.give()
+    machine.ok(p.HELLO, b"\3")
     machine.pass_ms(WHILE_SETTLING_MS)
     assert machine.inputs().stopped_by == p.BY_EMERGENCY_STOP
+
+
+@pytest.mark.parametrize(
+    ("role", "pulled_down"),
+    [(p.EMERGENCY_STOP | p.ACTIVE_HIGH, ()), (p.EMERGENCY_STOP, (3,)), (p.EMERGENCY_STOP, (3, 6))],
+)
+def test_no_input_becomes_an_emergency_stop_that_is_active_already(
+    machine: Machine, role: int, pulled_down: tuple[int, ...]
+) -> None:
+    """By a wrong level it could never be released, and no software may take its role away."""
+    machine.ok(p.COMMIT)
+    machine.run(WHOLE_COMMIT)
+    machine.pull_down(*pulled_down)
+    machine.pass_ms(20)
+    before = machine.ok(p.READ_SETTINGS)
+    packed = Settings(enable_lead_ms=9).packed() + InputSettings(looks=2, roles={**ROLES, 3: role}).packed()
+    assert machine.refused(p.WRITE_SETTINGS, packed) == (p.OUT_OF_RANGE, ROLES_AT + 3)
+    machine.pass_ms(20)
+    assert machine.ok(p.READ_SETTINGS) == before
+    assert machine.inputs().stopped_by == 0
+    assert machine.status().flags & p.ON_TRIAL == 0
+    machine.ok(p.MOVE_BY, for_axes({0: 10}))
+    machine.go_to_rest()
+    # Of the other level, or once it is released, it may become one.
+    machine.pull_down()
+    machine.pass_ms(20)
+    machine.give(InputSettings(roles={**ROLES, 3: p.EMERGENCY_STOP}))
+    machine.pass_ms(20)
+    assert machine.inputs().stopped_by == 0
+
+
+def test_all_but_its_level_may_be_set_of_what_has_been_an_emergency_stop(machine: Machine) -> None:
+    machine.give(InputSettings(looks=7, roles=ROLES))
+    machine.pull_down(FAULT_INPUT)
+    machine.pass_ms(20)
+    # A driver's fault hinders nobody from setting what it is: its role may be taken away.
+    machine.give(InputSettings(roles={STOP_INPUT: p.EMERGENCY_STOP}))
+    assert machine.inputs().stopped_by == p.BY_DRIVER_FAULT
+    machine.give()
+    machine.ok(p.COMMIT)
+    machine.run(WHOLE_COMMIT)
+
+
+def test_nothing_is_stored_in_an_emergency(machine: Machine) -> None:
+    machine.give(InputSettings(looks=7, roles=ROLES))
+    machine.pull_down(STOP_INPUT)
+    machine.pass_ms(20)
+    assert machine.refused(p.COMMIT) == (p.STOPPED, 1 << STOP_INPUT)
+    machine.pull_down()
+    machine.pass_ms(20)
+    assert machine.refused(p.COMMIT) == (p.STOPPED, 0)
+    machine.ok(p.ACKNOWLEDGE)
+    machine.ok(p.COMMIT)
+    machine.run(WHOLE_COMMIT)
+    assert machine.status().flags & p.ON_TRIAL == 0
 
 
 def test_between_a_request_and_its_start_it_stops_as_well(machine: Machine) -> None:

@@ -34,6 +34,8 @@ struct inputs_functions {
     uint8_t (*machine_stopped_by)(void);
     bool (*machine_acknowledge)(void);
     bool (*machine_is_in_emergency)(void);
+    uint16_t (*inputs_read)(void);
+    void (*emergency_release)(void);
     uint8_t (*settings_check_inputs)(const uint8_t *bytes);
     bool (*arduino_inputs_are_good)(void);
     void (*arduino_configure_inputs)(const struct settings *settings);

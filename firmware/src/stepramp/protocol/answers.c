@@ -173,7 +173,7 @@ static void answer_read(const uint8_t *body)
     }
 }
 
-/* Nobody takes an emergency stop's role away while it is pressed. */
+/* Nobody takes an emergency stop's role away while it is pressed; nor stores it then, as only a wrong level may keep it so. */
 static bool takes_roles_in_emergency(const uint8_t *settings)
 {
 #if HAS_INPUTS
@@ -188,16 +188,18 @@ static bool takes_roles_in_emergency(const uint8_t *settings)
     return false;
 }
 
-static OUT_OF_LINE void answer_write_settings(const uint8_t *body, uint8_t length)
+/* Of the request, which nobody reads again, the bytes are the settings before then. */
+static OUT_OF_LINE void answer_write_settings(uint8_t *body, uint8_t length)
 {
-    uint8_t settings[SETTINGS_BYTES];
-    memcpy(settings, ramp_keeper_settings(), SETTINGS_BYTES);
-    memcpy(settings, body, length);
-    uint8_t bad = settings_check(settings);
+    ramp_keeper_exchange_settings(body, length);
+    uint8_t bad = settings_check(ramp_keeper_settings());
+    if (bad != SETTINGS_BYTES || (length == SETTINGS_BYTES && takes_roles_in_emergency(body))) {
+        ramp_keeper_exchange_settings(body, length);
+    } else {
+        bad = ramp_keeper_use_settings(body, length);
+    }
     if (bad != SETTINGS_BYTES) {
         reply_refusal(STATUS_OUT_OF_RANGE, bad);
-    } else if (!takes_roles_in_emergency(settings)) {
-        ramp_keeper_use_settings(settings);
     }
 }
 
@@ -383,6 +385,10 @@ static void answer_known(uint8_t kind, uint16_t its_session, const uint8_t *body
         answer_end();
         break;
     case KIND_COMMIT:
+        if (takes_roles_in_emergency(NULL)) {
+            break;
+        }
+        /* fall through */
     case KIND_TRY:
         if (!(kind == KIND_TRY ? ramp_keeper_try() : ramp_keeper_commit())) {
             reply_refusal(STATUS_OUT_OF_ORDER, ramp_keeper_received());
@@ -400,7 +406,7 @@ static void answer_known(uint8_t kind, uint16_t its_session, const uint8_t *body
         reply_bytes(ramp_keeper_settings(), speaks_oldest || !has_inputs() ? OUTPUT_SETTINGS_BYTES : SETTINGS_BYTES);
         break;
     case KIND_WRITE_SETTINGS:
-        answer_write_settings(body, length);
+        answer_write_settings((uint8_t *)body, length);
         break;
 #if HAS_INPUTS
     case KIND_READ_LIMITS:

@@ -126,22 +126,65 @@ const uint8_t *ramp_keeper_settings(void)
     return (const uint8_t *)&stepramp_slot_content.settings;
 }
 
-static OUT_OF_LINE void use_bytes(uint8_t offset, const uint8_t *bytes, uint8_t count)
+#if HAS_INPUTS
+enum { ROLES_AT = offsetof(struct settings, roles) };
+
+/* A pull-up that has just been switched on raises a long cable within some 100 us: what is active is so in all looks. */
+enum { LOOKS_AT_NEW_ROLES = 100 };
+
+/* Where among the settings the role of an emergency stop lies that is active and was none before, or of another level;
+ * SETTINGS_BYTES: nowhere. */
+static uint8_t new_stop_at(const uint8_t *before)
 {
-    memcpy((uint8_t *)&stepramp_slot_content.settings + offset, bytes, count);
-    flags |= FLAG_ON_TRIAL;
-    use();
+    uint16_t active = (1u << EMERGENCY_INPUTS) - 1;
+    for (uint8_t left = LOOKS_AT_NEW_ROLES; left != 0; left--) {
+        active &= WITH_INPUTS(inputs_read)();
+    }
+    uint8_t at = ROLES_AT;
+    for (; active != 0; active >>= 1, at++) {
+        uint8_t role = ramp_keeper_settings()[at];
+        if ((active & 1) != 0 && (role & ROLE_BITS) == ROLE_EMERGENCY_STOP && role != before[at]) {
+            return at;
+        }
+    }
+    return SETTINGS_BYTES;
 }
 
-void ramp_keeper_use_settings(const uint8_t bytes[SETTINGS_BYTES])
+#endif
+
+void ramp_keeper_exchange_settings(uint8_t *bytes, uint8_t count)
 {
-    use_bytes(0, bytes, SETTINGS_BYTES);
+    uint8_t *in_use = (uint8_t *)&stepramp_slot_content.settings;
+    for (; count != 0; count--) {
+        uint8_t byte = *bytes;
+        *bytes++ = *in_use;
+        *in_use++ = byte;
+    }
+}
+
+uint8_t ramp_keeper_use_settings(uint8_t *before, uint8_t count)
+{
+    use();
+#if HAS_INPUTS
+    uint8_t bad = has_inputs() && count == SETTINGS_BYTES ? new_stop_at(before) : SETTINGS_BYTES;
+    if (bad != SETTINGS_BYTES) {
+        ramp_keeper_exchange_settings(before, count);
+        use();
+        WITH_INPUTS(emergency_release)(); /* latched by those settings; or one that is active still, which stays */
+        return bad;
+    }
+#endif
+    (void)before, (void)count;
+    flags |= FLAG_ON_TRIAL;
+    return SETTINGS_BYTES;
 }
 
 #if HAS_INPUTS
 void ramp_keeper_use_limits(uint8_t axis, const uint8_t bytes[SOFT_LIMITS_BYTES])
 {
-    use_bytes((uint8_t)(SETTINGS_BYTES + axis * SOFT_LIMITS_BYTES), bytes, SOFT_LIMITS_BYTES);
+    memcpy(stepramp_slot_content.settings.soft_limits[axis], bytes, SOFT_LIMITS_BYTES);
+    flags |= FLAG_ON_TRIAL;
+    use();
 }
 #endif
 

@@ -45,8 +45,14 @@ bool ramp_keeper_make_ready(void);
 /* The settings in use, packed. */
 const uint8_t *ramp_keeper_settings(void);
 
-/* Uses settings that have been checked, from now on, in RAM. */
-void ramp_keeper_use_settings(const uint8_t bytes[SETTINGS_BYTES]);
+/* Exchanges the first settings, packed, for others, which are to be checked and then used, or exchanged back: without a copy, for
+ * which the stack has no room. */
+void ramp_keeper_exchange_settings(uint8_t *bytes, uint8_t count);
+
+/* Uses settings that have been exchanged and checked, from now on, in RAM, and returns SETTINGS_BYTES. Not those by which an
+ * input would be an emergency stop that is active already: by a wrong level nobody could release it. They are exchanged back;
+ * returns where that one's role lies among them. */
+uint8_t ramp_keeper_use_settings(uint8_t *before, uint8_t count);
 
 #if HAS_INPUTS
 /* The same of an axis' soft limits. */
