@@ -205,7 +205,16 @@ class NotFound(StepRampError, LookupError):
 
 
 class Refused(StepRampError):
-    """The request is sound, but can't be done in the present state."""
+    """The request is sound, but can't be done in the present state.
+
+    field, value, allowed: of what in the request that is said, where it is of one thing, such as one of several axes.
+    """
+
+    def __init__(
+        self, message: str = "", field: str | None = None, value: object = None, allowed: str | None = None
+    ) -> None:
+        super().__init__(message)
+        self.field, self.value, self.allowed = field, value, allowed
 
 
 class Rescaled(Refused):

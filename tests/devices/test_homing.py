@@ -182,3 +182,16 @@ def test_what_was_to_be_acknowledged_before_a_stop_is_not_afterwards(bench: Benc
     assert AcknowledgeRequest.KIND not in bench.witness.seen
     bench.device.acknowledge()
     assert bench.device.view.stopped_by == ()
+
+
+def test_an_axis_that_may_be_elsewhere_is_nowhere_told_to_be_known(bench: Bench) -> None:
+    """Not once the device is lost, nor when it is connected again and its controller has counted on."""
+    home(bench)
+    go_on(bench, 2.0)
+    known = bench.device.view
+    assert known.axes[0].position_known
+    lost = known.lost("It is gone.")
+    assert (lost.unknown_positions, [axis.position_known for axis in lost.axes]) == ((0, 1), [False, False])
+    again = lost.with_status(bench.worker.call(bench.device._attachment._contact.controller.status))
+    assert [axis.position_known for axis in again.axes] == [False, False]
+    assert again.with_known_positions([0]).axes[0].position_known

@@ -206,3 +206,50 @@ def test_what_is_null_of_surroundings_stays_and_of_a_named_axis_goes(client: Tes
 def test_a_homing_of_no_axis_says_what_it_wants(client: TestClient, route: str) -> None:
     error = error_of(client.post(f"{route}/home", json={**HOME, "axes": []}), 422)
     assert error["message"].endswith("a list of 1 to 4 axes, each with how it finds its switch.")
+
+
+def test_no_input_becomes_an_emergency_stop_that_is_pressed(client: TestClient, route: str) -> None:
+    """By a wrong level nobody could release it."""
+    limits = ROLES[1:]
+    assert client.put(f"{route}/settings", json={"inputs": limits}).status_code == 200
+    client.put(f"{route}/surroundings", json={"emergency_stop": True})
+    error = error_of(client.put(f"{route}/settings", json={"inputs": ROLES}), 422)
+    assert (error["field"], error["value"]) == ("inputs.0.active", "high")
+    assert error["allowed"].startswith("low, unless the emergency stop is pressed: A0 is high now")
+    device = client.get(route).json()
+    assert (device["stopped_by"], [each["input"] for each in device["inputs"]]) == ([], ["A1", "A2", "D9"])
+    client.put(f"{route}/surroundings", json={"emergency_stop": False})
+    assert client.put(f"{route}/settings", json={"inputs": ROLES}).status_code == 200
+
+
+def test_nothing_is_stored_in_an_emergency(client: TestClient, route: str) -> None:
+    client.put(f"{route}/surroundings", json={"emergency_stop": True})
+    message = error_of(client.post(f"{route}/keep"), 409)["message"]
+    assert "the emergency stop at A0 is active" in message
+    assert "Until then nothing is stored" in message
+    client.put(f"{route}/surroundings", json={"emergency_stop": False})
+    assert client.post(f"{route}/acknowledge").status_code == 200
+    assert client.post(f"{route}/keep").status_code == 200
+
+
+def test_what_a_refusal_knows_is_shown_at_once_and_names_the_cause(client: TestClient, route: str) -> None:
+    client.put(f"{route}/surroundings", json={"emergency_stop": True})
+    error_of(client.post(f"{route}/move", json={"by_steps": 3}), 409)
+    assert client.get(route).json()["stopped_by"] == ["emergency_stop"]
+    client.put(f"{route}/surroundings", json={"emergency_stop": False})
+    message = error_of(client.post(f"{route}/move", json={"by_steps": 3}), 409)["message"]
+    assert message == "Nothing moves: the emergency stop has stopped all axes. Acknowledge that first."
+
+
+def test_a_refusal_names_the_axis_that_is_at_fault(client: TestClient, route: str) -> None:
+    client.put(f"{route}/surroundings", json={"axes": [{"axis": 0, "low_steps": 0, "high_steps": None}]})
+    error = error_of(client.post(f"{route}/move", json={"by_steps": -3}), 409)
+    assert (error["field"], error["value"], error["allowed"]) == ("axis", 0, "away from its low end")
+    client.put(f"{route}/surroundings", json={"axes": [{"axis": 0, "low_steps": None, "high_steps": None}]})
+    assert (
+        client.post(f"{route}/run", json={"axes": [{"axis": 1, "speed_steps_per_s": 800}], "for_s": 5}).status_code
+        == 200
+    )
+    error = error_of(client.put(f"{route}/settings", json={"looks": 3}), 409)
+    assert (error["field"], error["value"], error["allowed"]) == ("axis", 1, "at rest")
+    assert error["message"] == "The motor moves, that of axis 1: stop it first."

@@ -6,7 +6,7 @@ from typing import Annotated
 from pydantic import AfterValidator
 
 from stepramp.controllers.contract import AxisCommand
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import Refused, Rejected, Rejection
 from stepramp.validation import ListOf, ListOrNull, Within
 
 MOST_AXES = 4
@@ -43,3 +43,10 @@ def refuse_axes(asked: Sequence[AxisCommand], axes: int) -> None:
             beside = each.field.rpartition(".")[0] + ".axis" if "." in each.field else "axis"
             allowed = "each axis once" if each.axis < axes else f"an axis of this controller: 0 to {axes - 1}"
             raise Rejected([Rejection(each.field if each.field == "axes" else beside, each.axis, allowed)])
+
+
+def refusal_of_moving(axis: int | None) -> Refused:
+    """Return the refusal of what can't be done while a motor moves. axis: one that does, if known."""
+    if axis is None:
+        return Refused("The motor moves: stop it first.")
+    return Refused(f"The motor moves, that of axis {axis}: stop it first.", "axis", axis, "at rest")

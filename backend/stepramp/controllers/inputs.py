@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from stepramp.errors import Refused
+
 RoleName = Literal["emergency_stop", "driver_fault", "limit"]
 StopCause = Literal["emergency_stop", "driver_fault", "stepped_late"]
 Level = Literal["low", "high"]
@@ -55,6 +57,10 @@ class InputsState:
             return None
         pressed = [each for each in self.inputs if each.is_active and each.role in self.stopped_by]
         return stopped_words(pressed, self.stopped_by)
+
+
+class InTheWay(Refused):
+    """An input, or what it has stopped, keeps something from being done: the controller's status tells of it."""
 
 
 def stopped_words(active: Sequence[InputStatus], stopped_by: tuple[StopCause, ...] = ()) -> str:

@@ -96,7 +96,7 @@ class Homings:
             return
         self._leases.drop(axis.axis for axis in over)
         if view.state is DeviceState.READY:
-            self._name([axis for axis in over if axis.position_known])
+            self._name([axis for axis in over if axis.counts_from_known])
             self._view.change(lambda view: view.without_homing([axis.axis for axis in over]))
 
     def _name(self, homed: Sequence[AxisView]) -> None:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from time import monotonic
 
 from stepramp.controllers.contract import Controller
+from stepramp.controllers.inputs import InTheWay
 from stepramp.devices.contact import Contact
 from stepramp.devices.leases import Lease, Leases
 from stepramp.devices.live_view import LiveView
@@ -117,9 +118,18 @@ class SettingOut:
 
     def allow(self, request_number: int | None, job: Callable[[], None]) -> None:
         """Do what moves nothing itself, but lets motions be taken again, unless a stop has come since."""
-        with self._permit.given(self.moment(request_number)):
+        with self._seen_in_the_way(), self._permit.given(self.moment(request_number)):
             job()
         self._watch.refresh()
+
+    @contextmanager
+    def _seen_in_the_way(self) -> Iterator[None]:
+        """Show at once what an input does that is in the way: at rest, the next look may be half a second away."""
+        try:
+            yield
+        except InTheWay:
+            self._watch.refresh()
+            raise
 
     @contextmanager
     def _taken_back_on_failure(self, axes: Collection[int]) -> Iterator[None]:
@@ -139,7 +149,7 @@ class SettingOut:
         """Set axes in motion for what was asked then."""
         self._stopping.heed_others()
         try:
-            with self._permit.given(request_number, lease):
+            with self._seen_in_the_way(), self._permit.given(request_number, lease):
                 begin()
             self._stopping.settle_refused(request_number)
             if self._stopping.heed_others():

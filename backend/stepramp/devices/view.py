@@ -47,12 +47,19 @@ class AxisView:
     lowest_steps: int | None = None
     """Soft limits; None for none."""
     highest_steps: int | None = None
-    position_known: bool | None = None
-    """Whether it is known that it is there; None for a controller that doesn't tell."""
+    counts_from_known: bool | None = None
+    """Whether its controller says that it is known to be there; None for one that doesn't tell."""
+    may_be_elsewhere: bool = False
+    """It may be elsewhere than its controller counts, or count from another place: see unknown_positions."""
     homing: bool | None = None
     """Whether it is being homed; None for a controller that doesn't tell."""
     position_told: bool = True
     """Whether the controller tells where it is; otherwise position and target say nothing."""
+
+    @property
+    def position_known(self) -> bool | None:
+        """Whether it is known that it is there; None for a controller that doesn't tell."""
+        return self.counts_from_known and not self.may_be_elsewhere
 
     @property
     def limits_hold(self) -> bool:
@@ -160,6 +167,13 @@ class DeviceView:
     """Of the axes that have some."""
     heard_s: float = field(default=0.0, compare=False)
     """When the controller said so, by the monotonic clock; 0 before it has said anything [s]."""
+
+    def __post_init__(self) -> None:
+        """Have each axis say whether it may be elsewhere; one that is being homed says itself what it knows by that."""
+        elsewhere = {*self.unknown_positions} - {*self.after_homing}
+        if any(axis.may_be_elsewhere != (axis.axis in elsewhere) for axis in self.axes):
+            axes = tuple(replace(axis, may_be_elsewhere=axis.axis in elsewhere) for axis in self.axes)
+            object.__setattr__(self, "axes", axes)
 
     @property
     def unproven_words(self) -> str | None:
@@ -400,7 +414,7 @@ def _axis_view(status: AxisStatus, span: Span) -> AxisView:
         microsteps=status.microsteps,
         lowest_steps=span.lowest_steps,
         highest_steps=span.highest_steps,
-        position_known=status.position_known,
+        counts_from_known=status.position_known,
         homing=status.homing,
         position_told=status.position_told,
     )

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from time import monotonic
 
+from stepramp.controllers.axes import refusal_of_moving
 from stepramp.controllers.contract import ControllerStatus
 from stepramp.devices.contact import Contact
 from stepramp.devices.live_view import LiveView
@@ -18,6 +19,11 @@ SILENCE_S = 1 / 10
 IDLE_POLL_S = 1 / 2
 """So often a controller at rest is asked: soon enough to notice that it was unplugged, and before one that waits for
 commands no longer than 1 s gives up."""
+
+
+def moving(view: DeviceView) -> Refused:
+    """Return the refusal of what can't be done while a motor moves, with the first axis that does."""
+    return refusal_of_moving(next((each.axis for each in view.axes if each.state in UNDER_WAY), None))
 
 
 class Watch:
@@ -79,4 +85,4 @@ class Watch:
         """Refused while a motor moves, which is asked now."""
         self.refresh()
         if self._view.now.state in UNDER_WAY:
-            raise Refused("The motor moves: stop it first.")
+            raise moving(self._view.now)

@@ -25,7 +25,7 @@ from stepramp.devices.leases import Leases
 from stepramp.devices.live_view import LiveView
 from stepramp.devices.proving import Proving
 from stepramp.devices.view import UNDER_WAY, DeviceState, DeviceView
-from stepramp.devices.watch import Watch
+from stepramp.devices.watch import Watch, moving
 from stepramp.errors import DeviceLost, Refused, StepRampError
 from stepramp.validation import Document
 
@@ -89,7 +89,7 @@ class Writing:
         connection = controller, worker = self._contact.ready()
         self._contact.capable(controller, StoresRamps if mode == "keep" else TriesRamps)
         if self._view.now.state in UNDER_WAY:
-            raise Refused("The motor moves: stop it first.")
+            raise moving(self._view.now)
         stops = self._view.now.stops
         self._show(Progress(PushStage.PLANNING, 0, 0))
         try:

@@ -252,7 +252,7 @@ class AxisAnswer(Answer):
     position_steps: int = Field(description="Where its motor is [steps]")
     target_steps: int = Field(
         description="Where it will come to rest; its position as long as it runs at a speed, and right after a stop "
-        "until the controller has said where [steps]"
+        "until the controller has said where; of what is lost, where it was going when it was last heard of [steps]"
     )
     speed_steps_per_s: float = Field(
         description="How fast it moves, without sign; of what is lost, how fast it did when it was last heard of "
@@ -273,7 +273,8 @@ class AxisAnswer(Answer):
     )
     position_known: bool | None = Field(
         description="Whether it is known that its motor is there: since it was homed, or its position set. Not after a "
-        "reset, nor once it was halted at speed. It moves all the same. null where the controller doesn't tell"
+        "reset, nor once it was halted at speed, nor while `unknown_positions` names it. It moves all the same. null "
+        "where the controller doesn't tell"
     )
     position_told: bool = Field(
         description="Whether the controller tells where it is. false where its settings make no sense or it isn't "
@@ -412,8 +413,10 @@ class DeviceAnswer(Answer):
     progress: ProgressAnswer | None = Field(description="How far the push has come that is under way; null for none")
     shuttle: ShuttleAnswer | None = Field(description="What goes there and back; null for nothing")
     unknown_positions: list[int] = Field(
-        description="Axes that may be elsewhere than they count, since the device was lost, or disconnected or "
-        "homed by somebody else while they had soft limits; until they are set"
+        description="Axes that may be elsewhere than the server has counted with: since the device was lost or "
+        "started anew; since homing them has begun and hasn't ended well; and with soft limits, since the device was "
+        "disconnected or somebody else has homed them. Until they are set, homed or zeroed. What a controller itself "
+        "doesn't know, as after a halt at speed, only `axes[].position_known` tells"
     )
     in_control: str | None = Field(
         description="The page that is in control: others must take over first. null for none; programs need none"

@@ -130,7 +130,7 @@ def error_items(error: StepRampError) -> list[ErrorItem]:
     if isinstance(error, Rejected):
         items = [_item(rejection) for rejection in error.rejections]
         return [*items, sentence(error.more_message)] if error.more else items
-    return [sentence(str(error))]
+    return [_refusal(error)]
 
 
 def in_body(error: Rejected) -> Rejected:
@@ -170,3 +170,9 @@ def _item(rejection: Rejection) -> ErrorItem:
 def sentence(message: str) -> ErrorItem:
     """Return what stands for something that is no field's fault."""
     return ErrorItem(field=None, value=None, allowed=None, message=message)
+
+
+def _refusal(error: StepRampError) -> ErrorItem:
+    if not isinstance(error, Refused):
+        return sentence(str(error))
+    return ErrorItem(field=error.field, value=brief(error.value), allowed=error.allowed, message=str(error))

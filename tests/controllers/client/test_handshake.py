@@ -212,7 +212,6 @@ def test_refusals_name_input_and_axis(connect: Connect) -> None:
     refusals = {
         Refusal(ReplyStatus.STOPPED, 0b1_0000_0001): "the emergency stop at A0 is active. First release it, then ack",
         Refusal(ReplyStatus.STOPPED, 0b11): "the emergency stop at A0 and the driver's fault at A1 are active. First",
-        Refusal(ReplyStatus.STOPPED, 0): "an emergency stop, a driver's fault or steps that came late have stopped",
         Refusal(ReplyStatus.AT_LIMIT, 0x0801): "Axis 1 is on the limit switch of its high end at D11 and goes no",
         Refusal(ReplyStatus.AT_LIMIT, 0x0903): "Axis 3 is on a limit switch and goes no further that way: move it the",
     }

@@ -25,6 +25,7 @@ from stepramp.controllers.contract import (
     PushReport,
     Trace,
 )
+from stepramp.controllers.inputs import StopCause
 from stepramp.controllers.progress import Tell
 from stepramp.controllers.stepramp.conversation import Conversation
 from stepramp.controllers.stepramp.messages.axes import AxesRequest, mask_of
@@ -51,7 +52,7 @@ from stepramp.controllers.stepramp.push_remedies import plan_or_remedies
 from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.controllers.stepramp.speed_limits import interval_ticks
 from stepramp.controllers.stepramp.status import status_after, status_of
-from stepramp.controllers.stepramp.storage import Storage
+from stepramp.controllers.stepramp.storage import Storage, refuse_in_emergency
 from stepramp.controllers.stepramp.tracing import Tracing
 from stepramp.controllers.stepramp.transfer import Transfer
 from stepramp.design import Design
@@ -82,6 +83,8 @@ class StepRampController(
         """
         self._port_name = port.name
         self._conversation = Conversation(port, give_way)
+        self._conversation.stopped_by = self._stopped_by
+        self._conversation.moving_axis = self._moving_axis
         transfer = Transfer(self._conversation, give_way, tell)
         self._storage = Storage(self._conversation, transfer, port.name, self.connect, self._use)
         self._hello: HelloReply | None = None
@@ -187,6 +190,8 @@ class StepRampController(
             if first_axis is not None and self._storage.image is not present:
                 raise Refused("The controller's ramps were changed in the meantime: push again.")
             kept = mode == "keep"
+            if kept:
+                self._refuse_in_emergency()
             stored, sequence = self.store(plan.image.encode()) if kept else self.try_out(plan.image.encode())
             return plan.report(stored, sequence, kept=kept)
 
@@ -208,6 +213,7 @@ class StepRampController(
 
     def keep(self) -> None:
         """Store the ramps and settings in use."""
+        self._refuse_in_emergency()
         self._storage.keep()
 
     def roll_back(self) -> None:
@@ -309,6 +315,19 @@ class StepRampController(
         if axis is not None:
             self._checks.known_axes([AxisCommand(axis, 0, "traced_axis")])
         return self._tracing.arm(axis, every_steps)
+
+    def _moving_axis(self) -> int | None:
+        axes = () if self._status is None else self._status.axes
+        return next((axis.axis for axis in axes if axis.activity in UNDER_WAY), None)
+
+    def _stopped_by(self) -> tuple[StopCause, ...]:
+        of_inputs = self.status().of_inputs
+        return () if of_inputs is None else of_inputs.stopped_by
+
+    def _refuse_in_emergency(self) -> None:
+        """Refuse by what was last heard: a controller of this version sees to it itself."""
+        if self._status is not None:
+            refuse_in_emergency(self._status)
 
     def _move(self, commands: Sequence[AxisCommand], request: type[AxesRequest]) -> None:
         values = self._checks.whole_values(commands)

@@ -7,6 +7,7 @@ from time import monotonic
 from typing import TypeVar
 
 from stepramp.controllers.contract import AnswerUnknown
+from stepramp.controllers.inputs import StopCause
 from stepramp.controllers.stepramp.frames import FrameSplitter, encode_frame
 from stepramp.controllers.stepramp.input_roles import InputRole
 from stepramp.controllers.stepramp.messages.body import Notice, Reply, Request
@@ -63,6 +64,10 @@ class Conversation:
         """Stops and halts that were answered to somebody else on this line, such as those that are bytes alone."""
         self.roles: Sequence[InputRole] = ()
         """What the controller's inputs are for: refusals name those that are in the way."""
+        self.stopped_by: Callable[[], tuple[StopCause, ...]] = tuple
+        """Asks what has stopped motion: refusals name it."""
+        self.moving_axis: Callable[[], int | None] = lambda: None
+        """Tells an axis that moves, as last heard."""
         self.soft_limits: Sequence[SoftLimit] = ()
         """Those that the controller keeps: refusals tell them."""
 
@@ -187,7 +192,7 @@ class Conversation:
             return reply
         if reply.status is ReplyStatus.STALE_SESSION:
             raise DeviceLost(f"The controller at {self._port.name} was restarted: its position is no longer known.")
-        raise exception_for(reply, rejected, self.roles, self.soft_limits)
+        raise exception_for(reply, rejected, self.roles, self.soft_limits, self.stopped_by, self.moving_axis)
 
     def _unpacked(self, message: Message, reply_type: type[R]) -> R | Refusal:
         try:

@@ -80,6 +80,11 @@ def unpacked_roles(packed: bytes) -> tuple[InputRole, ...]:
     return tuple(_unpacked(number, byte) for number, byte in enumerate(packed) if byte)
 
 
+def is_emergency_stop(byte: int) -> bool:
+    """Tell whether a role's byte makes its input an emergency stop."""
+    return _ALONE.get(byte & _ROLE_BITS) == "emergency_stop"
+
+
 def packed_roles(roles: Iterable[InputRole]) -> bytes:
     """Return the bytes of all inputs; of those without a role 0."""
     by_name = {role.input: role.pack() for role in roles}

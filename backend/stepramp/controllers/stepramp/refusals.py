@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Sequence
 
-from stepramp.controllers.inputs import at_limit_words, at_soft_limit_words, stopped_words
+from stepramp.controllers.axes import refusal_of_moving
+from stepramp.controllers.inputs import InTheWay, StopCause, at_limit_words, at_soft_limit_words, stopped_words
 from stepramp.controllers.stepramp.input_roles import INPUTS, InputRole
 from stepramp.controllers.stepramp.messages.reply import Refusal, ReplyStatus
 from stepramp.controllers.stepramp.messages.session import PROTOCOL_VERSION
@@ -10,7 +11,6 @@ from stepramp.controllers.stepramp.soft_limits import AT_HIGHEST, AT_LOWEST, Sof
 from stepramp.errors import Refused, Rejected, Rejection, StepRampError
 
 WORDS = {
-    ReplyStatus.MOVING: "The motor moves: stop it first.",
     ReplyStatus.NO_RAMP: "The controller has no ramp yet: push a design first.",
     ReplyStatus.WRITING: "The controller is storing a ramp: try again in a few seconds.",
     ReplyStatus.BAD_CRC: "The ramp arrived damaged; the controller keeps the one it had.",
@@ -20,7 +20,6 @@ WORDS = {
     ),
     ReplyStatus.TOO_FAST: "The axes are too fast together: they would take {detail} % of the controller's time.",
 }
-OF_INPUTS = (ReplyStatus.STOPPED, ReplyStatus.AT_LIMIT)
 OF_VALUES = (ReplyStatus.OUT_OF_RANGE, ReplyStatus.TOO_FAST)
 
 
@@ -29,15 +28,20 @@ def exception_for(
     rejected: Callable[[Refusal], Rejection] | None,
     roles: Sequence[InputRole] = (),
     soft_limits: Sequence[SoftLimit] = (),
+    stopped_by: Callable[[], tuple[StopCause, ...]] = tuple,
+    moving_axis: Callable[[], int | None] = lambda: None,
 ) -> StepRampError:
     """Return a refusal as the exception that says so; see Conversation.ask.
 
-    roles: what the inputs are for. soft_limits: those that the controller keeps.
+    roles: what the inputs are for. soft_limits: those that the controller keeps. stopped_by: asks what has stopped it.
+    moving_axis: tells one that moves, as last heard.
     """
-    if refusal.status is ReplyStatus.AT_LIMIT and refusal.detail >> 8 in (AT_LOWEST, AT_HIGHEST):
-        return Refused(_at_soft_limit(refusal, soft_limits))
-    if refusal.status in OF_INPUTS:
-        return Refused(_of_inputs(refusal, roles))
+    if refusal.status is ReplyStatus.STOPPED:
+        return InTheWay(_stopped(refusal, roles, stopped_by))
+    if refusal.status is ReplyStatus.AT_LIMIT:
+        return _at_limit(refusal, roles, soft_limits)
+    if refusal.status is ReplyStatus.MOVING:
+        return refusal_of_moving(moving_axis())
     if refusal.status in OF_VALUES and rejected is not None:
         return Rejected([rejected(refusal)])
     if refusal.status is ReplyStatus.BAD_RAMP:
@@ -49,13 +53,20 @@ def exception_for(
     return Refused(WORDS.get(refusal.status, unexpected).format(detail=refusal.detail))
 
 
-def _of_inputs(refusal: Refusal, roles: Sequence[InputRole]) -> str:
-    if refusal.status is ReplyStatus.STOPPED:
-        active = [role.status(is_active=True) for role in roles if refusal.detail >> INPUTS.index(role.input) & 1]
-        return stopped_words([each for each in active if each.role != "limit"])
+def _stopped(refusal: Refusal, roles: Sequence[InputRole], stopped_by: Callable[[], tuple[StopCause, ...]]) -> str:
+    active = [role.status(is_active=True) for role in roles if refusal.detail >> INPUTS.index(role.input) & 1]
+    stops = [each for each in active if each.role != "limit"]
+    return stopped_words(stops, () if stops else stopped_by())
+
+
+def _at_limit(refusal: Refusal, roles: Sequence[InputRole], soft_limits: Sequence[SoftLimit]) -> InTheWay:
     number, axis = divmod(refusal.detail, 256)
+    if number in (AT_LOWEST, AT_HIGHEST):
+        return InTheWay(_at_soft_limit(refusal, soft_limits), "axis", axis, "within its soft limits")
     name = INPUTS[number] if number < len(INPUTS) else None
-    return at_limit_words(axis, name, next((role.end for role in roles if role.input == name), None))
+    end = next((role.end for role in roles if role.input == name), None)
+    allowed = "an axis that is on no limit switch that way" if end is None else f"away from its {end} end"
+    return InTheWay(at_limit_words(axis, name, end), "axis", axis, allowed)
 
 
 def _at_soft_limit(refusal: Refusal, soft_limits: Sequence[SoftLimit]) -> str:

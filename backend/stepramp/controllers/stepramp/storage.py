@@ -2,14 +2,16 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 
 from stepramp.controllers.contract import AnswerUnknown, ControllerStatus
 from stepramp.controllers.inputs import CALLED
 from stepramp.controllers.stepramp.conversation import Conversation
-from stepramp.controllers.stepramp.input_roles import EMERGENCY_INPUTS, GAUGE_INPUTS
+from stepramp.controllers.stepramp.input_roles import EMERGENCY_INPUTS, GAUGE_INPUTS, INPUTS
 from stepramp.controllers.stepramp.messages.axes import MOST_AXES
 from stepramp.controllers.stepramp.messages.body import DoneReply
 from stepramp.controllers.stepramp.messages.ramps import ReadSource, RollBackRequest
+from stepramp.controllers.stepramp.messages.reply import Refusal
 from stepramp.controllers.stepramp.messages.session import RampInUse
 from stepramp.controllers.stepramp.messages.settings import (
     SETTINGS_BYTES,
@@ -22,7 +24,7 @@ from stepramp.controllers.stepramp.messages.settings import (
 )
 from stepramp.controllers.stepramp.messages.status import StatusReply, StatusRequest
 from stepramp.controllers.stepramp.ramp_image import BadRampImage, RampImage
-from stepramp.controllers.stepramp.settings import StepRampSettings
+from stepramp.controllers.stepramp.settings import OFFSETS, StepRampSettings
 from stepramp.controllers.stepramp.soft_limits import bounds_of
 from stepramp.controllers.stepramp.transfer import Transfer
 from stepramp.errors import Count, DeviceLost, Refused, Rejected, Rejection
@@ -133,7 +135,7 @@ class Storage:
         _refuse_inputs_of_gauges(settings, StepRampSettings.unpack(settings.pack(present)))
         # Without these the first bytes alone are sent: the others stay as they are, whatever they have become.
         packed = settings.pack(present if given else b"")
-        self._conversation.ask(WriteSettingsRequest(packed), DoneReply)
+        self._conversation.ask(WriteSettingsRequest(packed), DoneReply, partial(_refused_setting, settings))
         self._packed = packed + present[len(packed) :]
         self._write_limits(settings.pack_limits(self._limits))
         self._note_settings(StepRampSettings.unpack(self._packed, self._limits))
@@ -181,6 +183,27 @@ class Storage:
                 self._transfer.await_written()
             self._look_again()
             raise
+
+
+def refuse_in_emergency(now: ControllerStatus) -> None:
+    """Refused while an emergency stop holds: by a wrong level it would from each start on, and no software ends it."""
+    if now.of_inputs is not None and "emergency_stop" in now.of_inputs.stopped_by:
+        raise Refused(f"{now.of_inputs.trouble} Until then nothing is stored, as the stop's level may be a wrong one.")
+
+
+def _refused_setting(settings: StepRampSettings, refusal: Refusal) -> Rejection:
+    """Return which setting a controller refuses, by its offset: all are in their ranges, but an input may be active."""
+    number = refusal.detail - OFFSETS["inputs"]
+    name = INPUTS[number] if 0 <= number < len(INPUTS) else None
+    place, role = next(((at, each) for at, each in enumerate(settings.inputs or ()) if each.input == name), (0, None))
+    if role is None:
+        return Rejection("settings", refusal.detail, "settings that this controller takes: that is the offset of one")
+    other = "low" if role.active == "high" else "high"
+    allowed = (
+        f"{other}, unless the emergency stop is pressed: {role.input} is {role.active} now, so it would be active at "
+        "once, and only what is wired there could end that. If it is pressed, release it first"
+    )
+    return Rejection(f"inputs.{place}.active", role.active, allowed)
 
 
 def _told(settings: StepRampSettings, name: str) -> object:

@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 from stepramp.controllers.stepramp.frames import FrameSplitter, encode_frame
+from stepramp.controllers.stepramp.input_roles import INPUTS, is_emergency_stop
 from stepramp.controllers.stepramp.messages.axes import ALL_AXES, MOST_AXES, AxesRequest, axes_of, mask_of
 from stepramp.controllers.stepramp.messages.body import DoneReply, Notice, Reply, Request
 from stepramp.controllers.stepramp.messages.kinds import REQUESTS
@@ -170,7 +171,7 @@ class VirtualController:
             BeginRequest: store.begin,
             DataRequest: store.data,
             EndRequest: lambda _: store.end(),
-            CommitRequest: lambda _: store.commit(),
+            CommitRequest: lambda _: machine.emergency() or store.commit(),
             ReadRequest: store.read,
             TryRequest: lambda _: store.try_out(),
             RollBackRequest: lambda _: machine.emergency() or store.roll_back(),
@@ -338,8 +339,16 @@ class VirtualController:
             return Refusal(ReplyStatus.OUT_OF_RANGE, min(_offset(each.field) for each in error.rejections))
         if packed[SETTINGS_BYTES:] != self._store.packed[SETTINGS_BYTES:] and (refusal := self._machine.emergency()):
             return refusal
+        if (at := self._new_stop_at(packed)) is not None:
+            return Refusal(ReplyStatus.OUT_OF_RANGE, at)
         self._store.use_settings(packed)
         return DoneReply()
+
+    def _new_stop_at(self, packed: bytes) -> int | None:
+        """Return where the role lies of an input that would be an emergency stop, and pressed, from now on."""
+        at = range(OFFSETS["inputs"], OFFSETS["inputs"] + len(INPUTS))
+        new = [each for each in at if packed[each] != self._store.packed[each] and is_emergency_stop(packed[each])]
+        return new[0] if new and self.world.emergency_stop else None
 
     def _read_limits(self, request: ReadLimitsRequest) -> Reply | Refusal:
         if request.axis >= MOST_AXES:
