@@ -63,11 +63,7 @@ bool settings_are_good()
 /* The axes of the mask that are being homed. */
 uint8_t homing_of(uint8_t mask)
 {
-#if HAS_INPUTS
-    return has_homing() ? WITH_HOMING(homing_axes)() & mask : 0;
-#else
-    return (void)mask, 0;
-#endif
+    return axes_homing() & mask;
 }
 
 void end_homing(uint8_t mask)
@@ -239,7 +235,7 @@ StepRampResult StepRampClass::run(uint8_t axis, int32_t interval)
 StepRampResult StepRampClass::zero(uint8_t axis, uint16_t steps)
 {
     uint16_t detail;
-    return isMoving(axis) ? STEPRAMP_MOVING : (StepRampResult)machine_zero(bit_of(axis), steps, &detail);
+    return isTaken(axis) ? STEPRAMP_MOVING : (StepRampResult)machine_zero(bit_of(axis), steps, &detail);
 }
 
 void StepRampClass::stop()
@@ -270,12 +266,18 @@ void StepRampClass::halt(uint8_t axis)
 
 bool StepRampClass::isMoving()
 {
-    return machine_is_moving() || homing_of(all_axes()) != 0;
+    return machine_is_moving();
 }
 
 bool StepRampClass::isMoving(uint8_t axis)
 {
     return axis < AXES && (machine_axis_is_moving(axis) || homing_of(bit_of(axis)) != 0);
+}
+
+/* It moves, or a line does, whose axes it would take along. */
+bool StepRampClass::isTaken(uint8_t axis)
+{
+    return machine_is_on_a_line() || isMoving(axis);
 }
 
 int32_t StepRampClass::position(uint8_t axis)
@@ -293,7 +295,7 @@ StepRampResult StepRampClass::setPosition(uint8_t axis, int32_t position)
     if (axis >= machine_axes()) {
         return STEPRAMP_OUT_OF_RANGE;
     }
-    if (isMoving(axis) || machine_is_on_a_line()) {
+    if (isTaken(axis)) {
         return STEPRAMP_MOVING;
     }
     machine_set_position(bit_of(axis), &position);

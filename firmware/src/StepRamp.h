@@ -107,7 +107,8 @@ public:
     void setEnableHold(uint16_t milliseconds);     /* from rest to disabling; at first STEPRAMP_HOLD */
 
     /* Uses a ramp image, which must stay as it is; all positions are 0 at first. Returns false when the image, a setting or a pin isn't
-     * good: then nothing moves, until it is called again with good ones. While something moves it returns false and changes nothing. */
+     * good: then nothing moves, until it is called again with good ones; but an input that had no place, or was for two things, stays refused
+     * until the board is reset. While something moves it returns false and changes nothing. */
     bool begin(const uint8_t *ramp, uint16_t length);
 
     /* Plans further steps, and makes those that are due unless a timer does. */
@@ -131,7 +132,9 @@ public:
     StepRampResult zero(uint8_t axis, uint16_t steps);
 
     /* To the limit switch that lies that way: at an interval as run() has it, back off by some steps beyond the switch, 1 at least, and again
-     * slowly [ticks]; where it is seen then is position 0; it comes to rest a few steps beyond. It is moving until that is done; stop() and halt() end it. */
+     * slowly [ticks]; where it is seen then is position 0. The motor is halted there, without its ramp, and rests a few steps beyond: the slow
+     * interval has to be one at which no step is lost by that. It is moving until that is done; stop() and halt() end it, and so does a switch
+     * that stays as it is for 64 times stepsBack beyond the way to it: isHomed() tells. */
     StepRampResult home(uint8_t axis, int32_t interval, uint32_t slowInterval, uint16_t stepsBack = 20);
 
     /* Slows down. */
@@ -184,6 +187,8 @@ public:
     uint8_t ranDry();
 
 private:
+    bool isTaken(uint8_t axis);
+
     typedef void (*Attach)(uint8_t interrupt, void (*look)(), int mode);
 
     bool addEmergencyStop(uint8_t pin, uint8_t how, Attach attach);

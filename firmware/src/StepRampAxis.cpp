@@ -269,15 +269,17 @@ bool StepRampAxis::wantsSlowClock() const
     return kind != nullptr && OF_KIND(wantsSlowClock)(*this);
 }
 
-/* One clock for all axes: the fast one where a timer makes the steps, unless one of them wants the slow one. */
+/* One clock for all axes: the fast one where a timer makes the steps, unless one of them wants the slow one, and is good with that. */
 void StepRampAxis::chooseClock()
 {
-    clock_hz = arduino_has_timer() ? FAST_CLOCK_HZ : SLOW_CLOCK_HZ;
+    bool isFast = arduino_has_timer();
+    clock_hz = SLOW_CLOCK_HZ;
     for (uint8_t i = 0; i < STEPRAMP_AXES && all[i] != nullptr; i++) {
-        if (all[i]->wantsSlowClock()) {
-            clock_hz = SLOW_CLOCK_HZ;
+        if (all[i]->wantsSlowClock() && all[i]->check() == STEPRAMP_READY) {
+            isFast = false;
         }
     }
+    clock_hz = isFast ? FAST_CLOCK_HZ : SLOW_CLOCK_HZ;
 }
 
 StepRampProblem StepRampAxis::begin()
@@ -316,7 +318,7 @@ const __FlashStringHelper *StepRampAxis::problem() const
     case STEPRAMP_BAD_IMAGE:
         return F("bad setting, or exported ramp: damaged, too fast, several axes, other clock");
     case STEPRAMP_NO_ROOM:
-        return F("all ramps: too long for their room, or too steep");
+        return F("all ramps: too long for their room, or too steep to prepare in time");
     default:
         return F("begin() is for motors at rest");
     }

@@ -31,11 +31,12 @@ void use_inputs()
         settings_check_inputs,   arduino_inputs_are_good,  arduino_configure_inputs,
         arduino_sees_stop};
     stepramp_inputs = &functions;
+    stepramp_machine_settings = &stepramp_sketch_settings; /* poll() may be called before begin() */
 }
 
 void use_homing()
 {
-    static const struct homing_functions functions = {homing_begin, homing_axes, homing_end, homing_go_on};
+    static const struct homing_functions functions = {homing_begin, homing_end, homing_go_on};
     stepramp_homing = &functions;
 }
 
@@ -151,7 +152,7 @@ StepRampResult StepRampClass::home(uint8_t axis, int32_t interval, uint32_t slow
     if (axis >= machine_axes()) {
         return machine_axes() == 0 ? STEPRAMP_NO_RAMP : STEPRAMP_OUT_OF_RANGE;
     }
-    if (isMoving(axis) || machine_is_on_a_line()) {
+    if (isTaken(axis)) {
         return STEPRAMP_MOVING;
     }
     use_homing();
@@ -170,7 +171,7 @@ StepRampResult StepRampAxis::home(float fastSpeed, float slowSpeed, uint16_t ste
 
 bool StepRampClass::isHoming(uint8_t axis)
 {
-    return has_homing() && axis < AXES && (WITH_HOMING(homing_axes)() >> axis & 1) != 0;
+    return axis < AXES && (axes_homing() >> axis & 1) != 0;
 }
 
 bool StepRampClass::isHomed(uint8_t axis)

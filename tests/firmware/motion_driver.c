@@ -279,7 +279,7 @@ static void do_command(const char *command)
         uint8_t axis = number();
         struct axis_report report = machine_report(axis);
         printf("%u %ld %ld %lu %lu %u\n", report.state, (long)report.position, (long)machine_target(axis),
-               (unsigned long)report.interval, (unsigned long)report.steps_made, machine_starved());
+               (unsigned long)machine_interval(axis), (unsigned long)report.steps_made, machine_starved());
     } else if (strcmp(command, "trace") == 0) {
         traced_axis = number();
         traced_every = (uint16_t)strtoul(strtok(NULL, " \n"), NULL, 10);

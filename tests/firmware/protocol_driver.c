@@ -16,6 +16,7 @@
  *   levels BITS           with inputs: the levels of their pins, a bit each
  *   tap                   with inputs: what has stopped is acknowledged, and meanwhile an emergency stop comes and goes
  *   switch INPUT AXIS BACKWARD AT   with inputs: a switch that pulls its pin down where the axis is there or beyond
+ *   late BY               with inputs: the axis that runs is late by so many 256 ticks more
  *   steps                 steps that the pins have shown, of each axis
  */
 #include <stdio.h>
@@ -23,7 +24,9 @@
 #include <string.h>
 
 #include "protocol_port.h"
+#include "stepramp/edge/engine.h"
 #include "stepramp/edge/lateness.h"
+#include "stepramp/edge/step_rings.h"
 #include "stepramp/motion/machine_inputs.h"
 #include "stepramp/protocol/controller.h"
 #include "stepramp/store/driver_settings.h"
@@ -168,9 +171,17 @@ static void set_levels(void)
     port_look_at_edges();
 }
 
+/* As an engine is that has been kept from its events: a running axis goes on later by so much. */
 static void be_late(void)
 {
-    stepramp_late = (uint8_t)next_number();
+    uint8_t late = (uint8_t)next_number();
+    stepramp_late = (uint8_t)(stepramp_late + late);
+    for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
+        if ((engine_running() >> axis & 1) != 0) {
+            stepramp_axis_players[axis].due = (uint16_t)(stepramp_axis_players[axis].due + (late << 8));
+            return;
+        }
+    }
 }
 
 /* An emergency stop comes and goes while it is acknowledged. */

@@ -62,6 +62,16 @@ SCENARIOS = [
     "short_stop",
     "bad_inputs",
     "soft_limits",
+    "early_poll",
+    "early_poll_without_inputs",
+    "beside_a_line",
+    "home_without_hold",
+    "home_beside_another",
+    "soft_limits_the_wrong_way_round",
+    "a_line_that_is_not_begun",
+    "known_positions",
+    "known_positions_of_long_intervals",
+    "clock_of_the_good",
 ]
 
 

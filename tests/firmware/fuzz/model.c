@@ -50,8 +50,8 @@ static void note_homed(void)
 {
 #if HAS_INPUTS
     static uint8_t homed_before;
-    uint8_t ended = homed_before & (uint8_t)~homing_axes() & stepramp_known_positions;
-    homed_before = homing_axes();
+    uint8_t ended = homed_before & (uint8_t)~axes_homing() & stepramp_known_positions;
+    homed_before = axes_homing();
     for (uint8_t i = 0; i < PORT_AXES; i++) {
         if ((ended >> i & 1) != 0) {
             model.zero[i] = (uint32_t)machine_report(i).position - (uint32_t)port_steps[i];
@@ -80,9 +80,22 @@ void model_note_written(void)
     model.settings_on_trial = false;
 }
 
+/* What is rolled back to waits until an emergency stop is over. */
+static bool may_be_held(void)
+{
+#if HAS_INPUTS
+    return machine_is_in_emergency();
+#else
+    return false;
+#endif
+}
+
 static void finish_writing(void)
 {
     for (long rounds = 0; eeprom_slots_are_writing(); rounds++) {
+        if (may_be_held()) {
+            return;
+        }
         must(rounds < 100000, "writing doesn't end");
         port_round();
     }

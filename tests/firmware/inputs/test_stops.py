@@ -174,6 +174,34 @@ def test_settings_forget_no_emergency_stop(machine: Machine) -> None:
     machine.give(InputSettings())
 
 
+@pytest.mark.parametrize("after_rounds", [1, 20, 40])
+def test_what_is_rolled_back_to_waits_until_it_is_over(machine: Machine, after_rounds: int) -> None:
+    """Pressed while that is being written: its input stays one until it is released."""
+    machine.give(InputSettings())
+    machine.ok(p.COMMIT)
+    machine.run(WHOLE_COMMIT)
+    machine.give()
+    machine.ok(p.COMMIT)
+    machine.run(WHOLE_COMMIT)
+    machine.ok(p.ROLL_BACK)
+    machine.run(after_rounds)
+    machine.pull_down(STOP_INPUT)
+    machine.run(WHOLE_COMMIT)
+    assert machine.inputs().stopped_by == p.BY_EMERGENCY_STOP
+    assert machine.refused(p.ACKNOWLEDGE) == (p.STOPPED, 1 << STOP_INPUT)
+    assert machine.refused(p.MOVE_BY, for_axes({0: 1})) == (p.BUSY, 0)
+    machine.pull_down()
+    machine.run(WHOLE_COMMIT)
+    machine.ok(p.ACKNOWLEDGE)
+    machine.run(WHOLE_COMMIT)
+    machine.pull_down(STOP_INPUT)
+    machine.pass_ms(20)
+    assert machine.inputs().stopped_by == 0
+    machine.ok(p.MOVE_BY, for_axes({0: 10}))
+    machine.go_to_rest()
+    assert machine.steps()[0] == 10
+
+
 def test_a_fault_has_to_last_for_as_many_looks_as_set(machine: Machine) -> None:
     for looks in (1, 4, 10):
         machine.give(InputSettings(looks=looks, roles=ROLES))
@@ -382,3 +410,24 @@ def test_the_position_is_known_once_it_is_set_and_until_a_halt_at_speed(machine:
     machine.go_on_ms(400)
     machine.ok(p.HALT)
     assert machine.inputs().known == 0
+
+
+def test_a_halt_is_judged_by_the_steps_that_are_made_then(machine: Machine) -> None:
+    """Not by those that are planned: 8 ms ahead of a steep ramp's last steps it is fast yet."""
+    side = [(35_777, 1, 0), (14_819, 1, 0), (11_371, 3, -1000), (7000, 60, -90)]
+    machine.push(p.Ramp(side, 1600, side).image(1, fast=True))
+    judged = set()
+    for after_ms in range(90, 140):
+        machine.ok(p.SET_POSITION, for_axes({0: 0}))
+        machine.ok(p.MOVE_TO, for_axes({0: 1000}))
+        machine.pass_ms(after_ms - 1)
+        before = machine.steps()[0]
+        machine.pass_ms(1)
+        made = machine.steps()[0] - before
+        interval = machine.status().interval
+        machine.ok(p.HALT)
+        known = machine.inputs().known
+        if made >= 4:
+            assert (known, interval < 16_000) == (0, True), after_ms
+        judged.add((made, known))
+    assert {(10, 0), (0, 1)} <= judged

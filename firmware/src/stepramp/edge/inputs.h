@@ -46,7 +46,6 @@ extern const struct inputs_functions *stepramp_inputs; /* NULL as long as it has
 /* The same of homing: a sketch may have inputs without. */
 struct homing_functions {
     uint8_t (*homing_begin)(uint8_t axes, int32_t *intervals, uint32_t slow_interval, uint16_t steps_back, uint16_t *detail);
-    uint8_t (*homing_axes)(void);
     void (*homing_end)(uint8_t axes);
     void (*homing_go_on)(void);
 };

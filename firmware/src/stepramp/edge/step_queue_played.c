@@ -60,7 +60,7 @@ struct step_interval step_queue_passing(uint8_t axis)
     do {
         ticks = *present;
     } while (ticks != *present); /* an event came in between the two bytes */
-    return (struct step_interval){ticks, line_is_on() || player->step_mask != 0};
+    return (struct step_interval){ticks, (line_is_on() ? stepramp_line_player.leader_pins : player->step_mask) != 0};
 }
 
 struct step_interval step_queue_next(uint8_t axis)

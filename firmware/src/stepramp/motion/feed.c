@@ -411,21 +411,34 @@ void feed_progress(const struct feed *feed, struct feed_progress *progress)
     }
 }
 
-uint32_t feed_interval(const struct feed *feed)
+static bool is_part(struct step_interval interval)
 {
-    if (feed->stage == FEED_IDLE || feed->axis.interval > LONGEST_WAIT_TICKS) {
-        return feed->axis.interval;
-    }
-    struct step_interval passing = step_queue_passing(feed->index);
-    /* Of silences, only the parts of a long interval are one. */
-    return passing.is_step || passing.ticks == PART_TICKS ? passing.ticks : 0;
+    return !interval.is_step && interval.ticks == PART_TICKS;
 }
 
-uint32_t feed_step_interval(const struct feed *feed)
+/* Of a long interval the queue has the parts, of which the first is a step's. As a whole the axis knows only the one queued last. Where
+ * that isn't long, only so much is known as that this one is. */
+uint32_t feed_interval(const struct feed *feed)
 {
-    /* A long interval as a whole: the queue has its parts. */
-    return feed->stage == FEED_PLAYING && step_queue_passing(feed->index).is_step ? feed_interval(feed) : 0;
+    struct step_interval passing = step_queue_passing(feed->index);
+    if (is_part(passing.is_step ? step_queue_next(feed->index) : passing)) {
+        return feed->axis.interval > LONGEST_WAIT_TICKS ? feed->axis.interval : LONGEST_WAIT_TICKS + 1u;
+    }
+    return passing.is_step ? passing.ticks : 0; /* other silences are none */
 }
+
+uint16_t feed_step_interval(const struct feed *feed)
+{
+    struct step_interval passing = step_queue_passing(feed->index);
+    return feed->stage == FEED_PLAYING && passing.is_step ? passing.ticks : 0;
+}
+
+#if COUNTS_LATENESS
+void feed_be_late(struct feed *feed, uint8_t late)
+{
+    extend(feed, (uint16_t)((uint16_t)late << 8));
+}
+#endif
 
 uint8_t feed_starved(void)
 {

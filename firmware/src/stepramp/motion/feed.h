@@ -82,11 +82,17 @@ void feed_halted(struct feed *feed);
 /* How far the motor has come now, also told in place of what has been played. The line that it leads has been looked at then. */
 void feed_progress(const struct feed *feed, struct feed_progress *progress);
 
-/* [ticks] the interval that is passing; 0 at rest, before the first step and after the last. */
+/* [ticks] of an axis that isn't idle: the interval that is passing, or the next one; 0 before the first step and after
+ * the last. */
 uint32_t feed_interval(const struct feed *feed);
 
-/* The same, but 0 where no step is made: while the direction turns, too. */
-uint32_t feed_step_interval(const struct feed *feed);
+/* [ticks] at least, where a step is made; 0 where none is, and of an axis that is idle. */
+uint16_t feed_step_interval(const struct feed *feed);
+
+#if COUNTS_LATENESS
+/* What is queued is played later by so much [256 ticks]. */
+void feed_be_late(struct feed *feed, uint8_t late);
+#endif
 
 /* How often a queue ran dry in a move; 255 stays 255. */
 uint8_t feed_starved(void);

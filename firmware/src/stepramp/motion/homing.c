@@ -32,28 +32,11 @@ static struct homing {
     };
     uint8_t stage : 4;
     bool backward : 1; /* the way to the switch */
-} homings[MOST_AXES];
-static bool is_any; /* axis may be homed */
-
-uint8_t homing_axes(void)
-{
-    uint8_t axes = 0;
-    if (!is_any) {
-        return 0;
-    }
-    for (uint8_t axis = MOST_AXES; axis-- > 0;) {
-        axes = (uint8_t)(axes << 1 | (homings[axis].stage != NOT_HOMING));
-    }
-    return axes;
-}
+} homings[MOST_AXES]; /* of those that are not in stepramp_homing_axes it doesn't count */
 
 void homing_end(uint8_t axes)
 {
-    for (struct homing *homing = homings; axes != 0 && homing < homings + MOST_AXES; homing++, axes >>= 1) {
-        if ((axes & 1) != 0) {
-            homing->stage = NOT_HOMING;
-        }
-    }
+    stepramp_homing_axes &= (uint8_t)~axes;
 }
 
 static bool is_at_switch(uint8_t axis, const struct homing *homing)
@@ -94,11 +77,11 @@ uint8_t homing_begin(uint8_t axes, int32_t *intervals, uint32_t slow_interval, u
     int32_t *interval = intervals;
     for (uint8_t axis = 0; axis < MOST_AXES; axis++) {
         if ((axes >> axis & 1) != 0 && !prepare(axis, interval++, slow_interval, steps_back)) {
-            homing_end(axes);
             *detail = axis;
             return STATUS_OUT_OF_RANGE;
         }
     }
+    stepramp_homing_axes |= axes;
     uint8_t known = stepramp_known_positions;
     stepramp_known_positions &= (uint8_t)~axes; /* soft limits don't hold meanwhile */
     uint8_t status = machine_run(axes, intervals, detail);
@@ -106,7 +89,6 @@ uint8_t homing_begin(uint8_t axes, int32_t *intervals, uint32_t slow_interval, u
         homing_end(axes);
         stepramp_known_positions = known;
     }
-    is_any = true;
     return status;
 }
 
@@ -166,17 +148,19 @@ static OUT_OF_LINE void return_to(const struct feed *feed, struct homing *homing
 
 void homing_go_on(void)
 {
-    if (!is_any) {
-        return;
-    }
-    is_any = homing_axes() != 0;
     const struct feed *feed = stepramp_feeds;
     for (struct homing *homing = homings; homing < homings + MOST_AXES; homing++, feed++) {
+        if ((stepramp_homing_axes & feed->bit) == 0) {
+            continue;
+        }
         if (homing->stage == RETURNING) {
             return_to(feed, homing);
         }
         if (homing->stage != NOT_HOMING) {
             homing->stage = next_stage(feed, homing);
+        }
+        if (homing->stage == NOT_HOMING) {
+            homing_end(feed->bit);
         }
     }
 }

@@ -17,16 +17,25 @@ extern "C" {
  * mask, which are written over; and of the slow one. It backs off by at least one step. Returns STATUS_OK, or why not and then changes nothing. */
 uint8_t homing_begin(uint8_t axes, int32_t *intervals, uint32_t slow_interval, uint16_t steps_back, uint16_t *detail);
 
-/* The axes that are being homed, a bit each. */
-uint8_t homing_axes(void);
-
 /* They are not any more. What moves goes on until it is stopped. */
 void homing_end(uint8_t axes);
 
 /* To be called once the inputs have been looked at. */
 void homing_go_on(void);
 
+extern uint8_t stepramp_homing_axes;
+
 #endif
+
+/* The axes that are being homed, a bit each. */
+static inline uint8_t axes_homing(void)
+{
+#if HAS_INPUTS
+    return stepramp_homing_axes;
+#else
+    return 0;
+#endif
+}
 
 #ifdef __cplusplus
 }

@@ -8,6 +8,7 @@
 #include "stepramp/edge/out_of_line.h"
 #include "stepramp/edge/step_queue.h"
 #include "stepramp/motion/feed.h"
+#include "stepramp/motion/homing.h"
 #include "stepramp/motion/machine_axes.h"
 #include "stepramp/motion/machine_inputs.h"
 #include "stepramp/motion/share.h"
@@ -25,6 +26,9 @@ const uint8_t *stepramp_image;
 const struct settings *stepramp_machine_settings;
 struct feed stepramp_feeds[MOST_AXES];
 uint8_t stepramp_axis_count;
+#if HAS_INPUTS
+uint8_t stepramp_homing_axes; /* here, as homing isn't in each sketch */
+#endif
 
 /* [ticks] */
 static OUT_OF_LINE uint32_t slew_interval_of(const struct feed *feed)
@@ -82,7 +86,7 @@ static void stop(struct feed *feed)
 IN_TABLE void machine_end_run(struct feed *feed, bool backward)
 {
     int32_t end = machine_soft_limit(feed->index, backward);
-    if (!is_no_limit(end)) {
+    if (!is_no_limit(end, backward)) {
         axis_end_run(&feed->axis, end);
     }
 }
@@ -308,8 +312,10 @@ void machine_stop_runs(void)
 IN_TABLE void machine_forget_fast(uint8_t mask)
 {
     for (const struct feed *feed = stepramp_feeds; mask != 0; feed++, mask >>= 1) {
-        uint32_t interval = (mask & 1) != 0 && feed_is_moving(feed) ? feed_step_interval(feed) : 0;
-        if (interval != 0 && interval < axis_slowest(&feed->axis)) {
+        uint32_t interval = (mask & 1) != 0 && feed_has_stepped(feed) ? feed_interval(feed) : 0;
+        /* Where a long one passes and none has been queued last, it is about to rest, or has just set out: no more than some are queued. */
+        bool is_at_an_end = interval > LONGEST_WAIT_TICKS && feed->axis.interval <= LONGEST_WAIT_TICKS;
+        if (interval != 0 && !is_at_an_end && interval < axis_slowest(&feed->axis)) {
             stepramp_known_positions &= line_is_on() ? 0 : (uint8_t)~feed->bit;
         }
     }
@@ -400,6 +406,9 @@ uint8_t machine_axes(void)
 
 bool machine_is_moving(void)
 {
+    if (axes_homing() != 0) {
+        return true;
+    }
     struct feed *feed = stepramp_feeds;
     for (uint8_t left = stepramp_axis_count; left != 0; left--, feed++) {
         if (feed_is_moving(feed)) {

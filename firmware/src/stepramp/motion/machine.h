@@ -21,7 +21,6 @@ enum axis_state { AXIS_IDLE = 0, AXIS_MOVING = 1, AXIS_STOPPING = 2 };
 struct axis_report {
     uint8_t state;
     int32_t position;    /* [steps] */
-    uint32_t interval;   /* [ticks] the present one; 0 at rest */
     uint32_t steps_made; /* since it last set out from rest */
 };
 
@@ -36,6 +35,7 @@ void machine_use(const uint8_t *image, const struct settings *settings);
 /* Axes of the image in use; 0 without one. */
 uint8_t machine_axes(void);
 
+/* Or is being homed: between two stages of that an axis is at rest. */
 bool machine_is_moving(void);
 
 static inline bool machine_is_on_a_line(void)
@@ -63,6 +63,9 @@ void machine_stop_runs(void);
 void machine_halt(uint8_t axes);
 
 struct axis_report machine_report(uint8_t axis);
+
+/* [ticks] The present one of an axis; 0 at rest, and of one that a line's leader takes along. */
+uint32_t machine_interval(uint8_t axis);
 
 /* One axis, alone or on a line: sooner known than all of its report. */
 bool machine_axis_is_moving(uint8_t axis);

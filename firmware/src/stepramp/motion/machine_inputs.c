@@ -128,7 +128,7 @@ uint8_t machine_check_run(uint8_t axis, int32_t interval, uint16_t *detail)
 {
     bool backward = interval < 0;
     int32_t limit = machine_soft_limit(axis, backward), from = stepramp_feeds[axis].axis.position;
-    bool is_free = interval == 0 || is_no_limit(limit) || (backward ? from > limit : from < limit);
+    bool is_free = interval == 0 || is_no_limit(limit, backward) || (backward ? from > limit : from < limit);
     return is_free ? STATUS_OK : at_soft_limit(axis, backward, detail);
 }
 
@@ -190,14 +190,33 @@ void machine_lateness_configure(void)
     stepramp_late_from = from < LEAST_MADE_UP_FOR ? LEAST_MADE_UP_FOR : from;
 }
 
-static void look_at_lateness(void)
+/* Forgotten is what was late in a motion that has ended, and after each second what was late while one axis, or a line, moved alone: it
+ * only lasts longer by that. Of several axes nobody knows which one it was. */
+enum { FORGETTING_BITS = 10 };
+
+static void look_at_lateness(uint16_t changed_ms)
 {
-    if (stepramp_late >= machine_ticks_a_us() * MOST_LATE) {
+    static uint8_t kept; /* of it, as several axes moved */
+    uint8_t late = stepramp_late;
+    if (late >= machine_ticks_a_us() * MOST_LATE) {
         stop_all(BY_LATENESS);
         stepramp_known_positions = 0;
     }
-    if (!machine_is_moving()) {
-        stepramp_late = 0;
+    uint8_t moving = 0;
+    struct feed *last = stepramp_feeds;
+    for (struct feed *feed = stepramp_feeds; feed < stepramp_feeds + MOST_AXES; feed++) {
+        if (feed_is_moving(feed)) {
+            moving++;
+            last = feed;
+        }
+    }
+    if (moving > 1) {
+        kept = late;
+    } else if (moving == 0) {
+        stepramp_late = kept = 0;
+    } else if (changed_ms >> FORGETTING_BITS != 0) {
+        feed_be_late(last, (uint8_t)(late - kept));
+        stepramp_late = kept;
     }
 }
 
@@ -288,12 +307,13 @@ static void look(void)
 
 void machine_watch_inputs(uint16_t now_ms)
 {
-    if (now_ms != looked_ms) {
+    uint16_t changed_ms = now_ms ^ looked_ms;
+    if (changed_ms != 0) {
         looked_ms = now_ms;
         look();
 #if COUNTS_LATENESS
         if (stepramp_late != 0) { /* as it nearly never is */
-            look_at_lateness();
+            look_at_lateness(changed_ms);
         }
 #endif
         if (has_homing()) {

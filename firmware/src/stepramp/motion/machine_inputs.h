@@ -49,9 +49,9 @@ uint8_t machine_check_way(uint8_t axis, bool backward, uint16_t *detail);
 /* [steps] An axis' soft limit, or where positions end: there are none as long as its position isn't known. */
 int32_t machine_soft_limit(uint8_t axis, bool backward);
 
-static inline bool is_no_limit(int32_t position)
+static inline bool is_no_limit(int32_t position, bool backward)
 {
-    return position == NO_LOWEST || position == NO_HIGHEST;
+    return position == (backward ? NO_LOWEST : NO_HIGHEST);
 }
 
 /* Whether an axis may come to rest there, or run that way from where it is: STATUS_OK or STATUS_AT_LIMIT. `interval`: with

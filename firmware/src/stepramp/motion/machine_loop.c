@@ -72,8 +72,11 @@ static bool motors_are_ready(void)
 /* Disables motors that have been at rest for long enough. */
 static void let_go(void)
 {
-    bool is_for_ever = stepramp_machine_settings->enable_hold_ms == HOLD_FOR_EVER;
-    if (is_enabled && !is_for_ever && at_rest_for_ms >= stepramp_machine_settings->enable_hold_ms && !machine_is_moving()) {
+    if (!is_enabled) { /* as before there are settings */
+        return;
+    }
+    uint16_t hold_ms = stepramp_machine_settings->enable_hold_ms;
+    if (hold_ms != HOLD_FOR_EVER && at_rest_for_ms >= hold_ms && !machine_is_moving()) {
         is_enabled = false;
         board_enable(false);
     }

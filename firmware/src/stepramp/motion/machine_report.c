@@ -21,7 +21,7 @@ struct axis_report machine_report(uint8_t index)
     const struct feed *leader = follows ? machine_leader() : feed;
     struct feed_progress progress;
     feed_progress(leader, &progress);
-    struct axis_report report = {AXIS_IDLE, progress.position, 0, progress.steps_made};
+    struct axis_report report = {AXIS_IDLE, progress.position, progress.steps_made};
     if (follows || feed_is_moving(feed)) {
         report.state = leader->axis.stopping ? AXIS_STOPPING : AXIS_MOVING;
     }
@@ -29,10 +29,14 @@ struct axis_report machine_report(uint8_t index)
         report.steps_made = line_steps_made(index);
         report.position = feed->played.position;
         axis_move_position(&report.position, feed->pin_backward, report.steps_made);
-    } else if (feed_is_moving(feed)) {
-        report.interval = feed_interval(feed);
     }
     return report;
+}
+
+OUT_OF_LINE uint32_t machine_interval(uint8_t index)
+{
+    const struct feed *feed = &stepramp_feeds[index];
+    return feed_is_moving(feed) ? feed_interval(feed) : 0;
 }
 
 bool machine_axis_is_moving(uint8_t index)

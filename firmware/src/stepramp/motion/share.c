@@ -6,6 +6,7 @@
 #include "stepramp/edge/board_limits.h"
 #include "stepramp/edge/out_of_line.h"
 #include "stepramp/motion/axis.h"
+#include "stepramp/motion/homing.h"
 #include "stepramp/motion/machine.h"
 #include "stepramp/protocol/message.h"
 
@@ -70,19 +71,21 @@ static uint16_t share_of_axis(const struct feed *feed, uint32_t interval, uint8_
 uint8_t share_check(const struct feed *feeds, uint8_t axes, const uint32_t requested[MOST_AXES], uint16_t *detail)
 {
     bool are_gauges = stepramp_machine_settings->outputs == OUTPUTS_GAUGES;
+    uint8_t busy = axes_homing(); /* though one may be at rest, between two stages */
     uint8_t count = 0;
     uint16_t sum = 0;
     for (uint8_t i = 0; i < axes; i++) {
         if (requested[i] != 0 || feed_is_moving(&feeds[i])) {
-            count++;
+            busy |= feeds[i].bit;
         }
+        count = (uint8_t)(count + ((busy & feeds[i].bit) != 0));
     }
     for (; axes != 0; axes--, feeds++, requested++) {
         if (board_skip_to_stop()) {
             *detail = 0;
             return STATUS_OUT_OF_ORDER;
         }
-        if (*requested != 0 || feed_is_moving(feeds)) {
+        if ((busy & feeds->bit) != 0) {
             uint32_t interval = shortest_interval(feeds, *requested);
             uint16_t share = share_of_axis(feeds, interval, count);
             sum = are_gauges ? (share > sum ? share : sum) : (uint16_t)(sum + share);

@@ -77,7 +77,7 @@ static void reply_inputs(void)
     reply_u16(WITH_INPUTS(machine_active_inputs)());
     reply_u8(WITH_INPUTS(machine_stopped_by)());
     reply_u8(stepramp_known_positions);
-    reply_u8(has_homing() ? WITH_HOMING(homing_axes)() : 0);
+    reply_u8(axes_homing());
 }
 #endif
 
@@ -97,7 +97,8 @@ static void answer_status(const uint8_t *body)
     reply_numbers(&report.position, 1);
     /* Of a run the target is its position, which another look might find a step further on. */
     reply_u32((uint32_t)(machine_runs(body[0]) ? report.position : machine_target(body[0])));
-    reply_numbers(&report.interval, 2); /* and steps made */
+    reply_u32(machine_interval(body[0]));
+    reply_numbers(&report.steps_made, 1);
     reply_ramp_in_use();
     reply_u8(machine_is_enabled() ? ramp_keeper_flags() | FLAG_ENABLED : ramp_keeper_flags());
     reply_u8(machine_starved());
@@ -313,7 +314,7 @@ static void answer_for_axes(uint8_t kind, const uint8_t *body)
         return;
     }
 #if HAS_INPUTS
-    if (has_homing() && (WITH_HOMING(homing_axes)() & axes) != 0) {
+    if ((axes_homing() & axes) != 0) {
         reply_refusal(STATUS_MOVING, 0);
         return;
     }

@@ -41,7 +41,8 @@ static void write_axis(void)
     struct axis_report axis = machine_report(index);
     states |= (uint8_t)(axis.state << 2 * index);
     notice_go_on(length);
-    reply_numbers(&axis.position, 2); /* and interval */
+    reply_numbers(&axis.position, 1);
+    reply_u32(machine_interval(index));
     length += AXIS_BYTES;
 }
 

@@ -76,23 +76,12 @@ bool request_length_is_good(uint8_t kind, uint8_t known, const uint8_t *body, ui
     return length == known;
 }
 
-/* Between two stages of homing an axis is at rest. */
-static bool is_moving(void)
-{
-#if HAS_INPUTS
-    if (has_homing() && WITH_HOMING(homing_axes)() != 0) {
-        return true;
-    }
-#endif
-    return machine_is_moving();
-}
-
 bool request_is_free(uint8_t known)
 {
     if ((known & DISTURBS) == 0) {
         return true;
     }
-    if ((known & IN_FLIGHT) != 0 ? machine_is_on_a_line() : is_moving()) {
+    if ((known & IN_FLIGHT) != 0 ? machine_is_on_a_line() : machine_is_moving()) {
         reply_refusal(STATUS_MOVING, 0);
         return false;
     }

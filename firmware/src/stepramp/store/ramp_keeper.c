@@ -5,6 +5,7 @@
 
 #include "stepramp/edge/out_of_line.h"
 #include "stepramp/motion/machine.h"
+#include "stepramp/motion/machine_inputs.h"
 #include "stepramp/protocol/frame.h"
 #include "stepramp/protocol/message.h"
 #include "stepramp/store/eeprom_slots.h"
@@ -299,8 +300,21 @@ bool ramp_keeper_roll_back(void)
     return roll_back_to_previous();
 }
 
+/* Rolled back to may be settings that give the emergency stop's input another role: it waits until that is over. */
+static bool is_held(void)
+{
+#if HAS_INPUTS
+    return content == NOTHING && has_inputs() && WITH_INPUTS(machine_is_in_emergency)();
+#else
+    return false;
+#endif
+}
+
 void ramp_keeper_poll(void)
 {
+    if (is_held()) {
+        return;
+    }
     enum write_progress progress = eeprom_slots_poll();
     if (progress == WRITTEN) {
         use_stored(true);

@@ -28,7 +28,8 @@ uint32_t ramp_maker_interval(uint32_t clock_hz, float speed);
 float ramp_maker_steps(const struct ramp_wish *wish, float acceleration);
 
 /* Writes the ramp, of segments: each interval within 1/512 of the exact one and a tick, or within 1/256,
- * 1/128 or 1/64 where there is less room, and down to 1/16 where there is less time to prepare it. Returns its length [bytes], or 0: even so
+ * 1/128 or 1/64 where there is less room, and down to 1/16 where there is less time to prepare it. Not each one of a long segment is looked
+ * at: those between may be off by a little more, as by 6.4 % in place of 6.3. Returns its length [bytes], or 0: even so
  * there is no room, or no time. */
 uint16_t ramp_maker_write(const struct ramp_wish *wish, uint8_t *bytes, uint16_t room);
 

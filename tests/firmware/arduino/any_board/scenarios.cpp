@@ -21,7 +21,7 @@ enum { STOP_PIN = 20, FAULT_PIN = 21, LOW_SWITCH = 22, HIGH_SWITCH = 23, SECOND_
 static unsigned long now_us;
 static int level[PINS], edges[PINS];
 static bool is_output[PINS], is_pulled_up[PINS], is_grounded[PINS];
-static unsigned long rose_us[PINS], shortest_us[PINS], shortest_pulse_us;
+static unsigned long rose_us[PINS], shortest_us[PINS], last_us[PINS], shortest_pulse_us;
 static uint8_t image[256];
 static uint16_t image_bytes;
 static int place, second_place; /* of the motors at STEP and behind it, by their pins */
@@ -73,6 +73,7 @@ void digitalWrite(uint8_t pin, uint8_t value)
     }
     if (value == HIGH) {
         unsigned long since_us = now_us - rose_us[pin];
+        last_us[pin] = since_us;
         shortest_us[pin] = shortest_us[pin] == 0 || since_us < shortest_us[pin] ? since_us : shortest_us[pin];
         rose_us[pin] = now_us;
         place += pin != STEP ? 0 : level[DIRECTION] == HIGH ? 1 : -1;
@@ -605,6 +606,176 @@ static void for_75_minutes()
     CHECK(edges[STEP] == made + 14 && level[DIRECTION] == LOW);
 }
 
+/* Before the first good begin() nothing happens, and nothing bad. */
+static void early_poll()
+{
+    static StepRampAxis x(STEP, DIRECTION);
+    StepRamp.setEmergencyStop(STOP_PIN);
+    StepRamp.setLowLimit(0, LOW_SWITCH);
+    poll_for(10000);
+    StepRamp.setPulseWidth(101);
+    CHECK(!StepRamp.begin(image, image_bytes));
+    poll_for(10000);
+    x.setRamp(1000, 2000);
+    CHECK(x.begin() == STEPRAMP_BAD_IMAGE && !x.run());
+    StepRamp.setPulseWidth(0);
+    CHECK(x.begin() == STEPRAMP_READY);
+    rest_at(x, 100);
+}
+
+static void early_poll_without_inputs()
+{
+    StepRamp.poll();
+    CHECK(!StepRamp.begin(image, 1));
+    StepRamp.poll();
+    begin();
+}
+
+/* What isn't on the line is at rest, and is left so: what takes it along would take the line's axes, too. */
+static void beside_a_line()
+{
+    const int32_t way[] = {400, 0};
+    begin();
+    CHECK(StepRamp.lineBy(way) == STEPRAMP_OK);
+    poll_for(100000);
+    CHECK(!StepRamp.isMoving(1) && StepRamp.zero(1, 100) == STEPRAMP_MOVING && StepRamp.setPosition(1, 7) == STEPRAMP_MOVING);
+    CHECK(StepRamp.moveTo(1, 5) == STEPRAMP_MOVING && StepRamp.home(1, -4000, 8000) == STEPRAMP_MOVING);
+    poll_until_rest();
+    CHECK(place == 400 && StepRamp.position(0) == 400 && StepRamp.position(1) == 0 && edges[STEP + 1] == 0);
+    CHECK(StepRamp.zero(1, 100) == STEPRAMP_OK);
+    poll_until_rest();
+    CHECK(second_place == -100 && StepRamp.position(1) == 0);
+}
+
+/* Drivers that are let go at rest aren't between the stages of homing. */
+static void home_without_hold()
+{
+    static StepRampAxis x(STEP, DIRECTION);
+    low_switch_at = -37;
+    StepRamp.setEnablePin(ENABLE);
+    StepRamp.setEnableHold(0);
+    x.setLimitSwitches(LOW_SWITCH);
+    x.setRamp(1000, 4000);
+    CHECK(x.begin() == STEPRAMP_READY);
+    poll_for(3000);
+    int before = edges[ENABLE];
+    CHECK(x.home(-500, 100) == STEPRAMP_OK);
+    poll_until_rest();
+    poll_for(3000);
+    CHECK(x.isHomed() && edges[ENABLE] - before == 2 && level[ENABLE] == HIGH);
+}
+
+/* Two axes that are too much for the board at once: the other one is refused as long as the first is homed, between its stages, too. */
+static void home_beside_another()
+{
+    static StepRampAxis x(STEP, DIRECTION), y(STEP + 1, DIRECTION + 1);
+    has_timer = true;
+    low_switch_at = -300;
+    x.setLimitSwitches(LOW_SWITCH);
+    x.setRamp(8000, 400000);
+    y.setRamp(20000, 40000);
+    CHECK(x.begin() == STEPRAMP_READY && x.home(-7500, 7500, 200) == STEPRAMP_OK);
+    for (unsigned long end = now_us + 9000000; x.isHoming();) {
+        CHECK(now_us < end && (y.runAt(20000) == STEPRAMP_TOO_FAST));
+        StepRamp.poll();
+    }
+    CHECK(x.isHomed() && y.runAt(20000) == STEPRAMP_OK);
+}
+
+/* With the lowest above the highest it goes nowhere, with the utmost positions, too. */
+static void soft_limits_the_wrong_way_round()
+{
+    static StepRampAxis x(STEP, DIRECTION);
+    x.setSoftLimits(INT32_MAX, INT32_MIN);
+    x.setRamp(1000, 4000);
+    CHECK(x.begin() == STEPRAMP_READY && x.setPosition(0) == STEPRAMP_OK && x.isHomed());
+    CHECK(x.moveTo(10) == STEPRAMP_AT_LIMIT && x.runAt(500) == STEPRAMP_AT_LIMIT && x.runAt(-500) == STEPRAMP_AT_LIMIT);
+}
+
+/* A line that is stopped before its first step has gone nowhere. */
+static void a_line_that_is_not_begun()
+{
+    const int32_t way[] = {100, 50};
+    StepRamp.setSoftLimits(0, -100000, 100000);
+    begin();
+    for (unsigned long after_us = 0; after_us < 20000; after_us += 500) {
+        int before = place;
+        CHECK(StepRamp.setPosition(0, place) == STEPRAMP_OK && StepRamp.setPosition(1, second_place) == STEPRAMP_OK);
+        CHECK(StepRamp.lineBy(way) == STEPRAMP_OK);
+        poll_for(after_us);
+        if (after_us % 1000 == 0) {
+            StepRamp.halt();
+        } else {
+            StepRamp.stop();
+        }
+        CHECK(place != before || (StepRamp.isHomed(0) && StepRamp.isHomed(1)));
+        poll_until_rest();
+    }
+}
+
+/* Halted at one step after another of a move: known is only where a motor is that was about as slow as at its ramp's first steps. */
+static void halt_everywhere(StepRampAxis &axis, int32_t steps, int32_t from, int32_t stride, unsigned long slowest_us)
+{
+    int known = 0;
+    for (; from <= steps; from += stride) {
+        int32_t before = place;
+        CHECK(axis.setPosition(0) == STEPRAMP_OK && axis.isHomed() && axis.moveTo(steps) == STEPRAMP_OK);
+        while (place - before < from) {
+            StepRamp.poll();
+        }
+        axis.halt();
+        bool is_slow = from == 1 || last_us[STEP] >= slowest_us;
+        CHECK(is_slow || !axis.isHomed());
+        known += axis.isHomed();
+        poll_for(20000);
+    }
+    CHECK(known > 0);
+}
+
+static void known_positions()
+{
+    static StepRampAxis x(STEP, DIRECTION);
+    has_timer = true;
+    x.setSoftLimits(-1000000, 1000000);
+    x.setRamp(10000, 400000);
+    CHECK(x.begin() == STEPRAMP_READY && StepRamp.ticksPerSecond() == 16000000);
+    halt_everywhere(x, 1000, 1, 1, 700); /* the last intervals are 710, 926 and 2236 us: an event early it has the one that follows */
+    x.setRamp(2000, 100000, 0, 1800);
+    CHECK(x.begin() == STEPRAMP_READY);
+    halt_everywhere(x, 30, 1, 1, 500);
+}
+
+/* At a speed whose interval is long to the queue it is as fast in each of its parts. */
+static void known_positions_of_long_intervals()
+{
+    static StepRampAxis x(STEP, DIRECTION);
+    has_timer = true;
+    x.setSoftLimits(-1000000, 1000000);
+    x.setRamp(400, 1000);
+    CHECK(x.begin() == STEPRAMP_READY);
+    for (unsigned long after_us = 0; after_us < 5000; after_us += 100) {
+        CHECK(x.setPosition(0) == STEPRAMP_OK && x.runAt(300) == STEPRAMP_OK);
+        poll_for(500000 + after_us);
+        x.halt();
+        CHECK(!x.isHomed());
+    }
+}
+
+/* One that is refused doesn't choose the clock of the others. */
+static void clock_of_the_good()
+{
+    static StepRampAxis x(STEP, DIRECTION), y(STEP + 1, DIRECTION + 1);
+    has_timer = true;
+    x.setRamp(1000, 4000);
+    y.setRamp(0.5f, -1);
+    CHECK(x.begin() == STEPRAMP_READY && StepRamp.ticksPerSecond() == 16000000);
+    CHECK(y.begin() == STEPRAMP_BAD_ACCELERATION);
+    y.setRamp(0.5f, 1);
+    CHECK(y.begin() == STEPRAMP_READY && StepRamp.ticksPerSecond() == 2000000);
+    y.setRamp(0.5f, 1e9f);
+    CHECK(x.begin() == STEPRAMP_READY && StepRamp.ticksPerSecond() == 16000000);
+}
+
 static void shared_pins()
 {
     static StepRampAxis x(STEP, DIRECTION), y(DIRECTION, 9), z(10, 10);
@@ -654,7 +825,17 @@ int main(int count, char **words)
                      {"too_many_axes", too_many_axes},
                      {"shared_pins", shared_pins}, {"shared_inputs", shared_inputs}, {"shared_stop", shared_stop},
                      {"for_75_minutes", for_75_minutes},
-                     {"emergency_stop", emergency_stop}, {"home", home}, {"two_homes", two_homes}, {"soft_limits", soft_limits}, {"short_stop", short_stop}, {"bad_inputs", bad_inputs}};
+                     {"emergency_stop", emergency_stop}, {"home", home}, {"two_homes", two_homes}, {"soft_limits", soft_limits}, {"short_stop", short_stop}, {"bad_inputs", bad_inputs},
+                     {"early_poll", early_poll},
+                     {"early_poll_without_inputs", early_poll_without_inputs},
+                     {"beside_a_line", beside_a_line},
+                     {"home_without_hold", home_without_hold},
+                     {"home_beside_another", home_beside_another},
+                     {"soft_limits_the_wrong_way_round", soft_limits_the_wrong_way_round},
+                     {"a_line_that_is_not_begun", a_line_that_is_not_begun},
+                     {"known_positions", known_positions},
+                     {"known_positions_of_long_intervals", known_positions_of_long_intervals},
+                     {"clock_of_the_good", clock_of_the_good}};
     CHECK(count == 3);
     unsigned byte;
     for (const char *text = words[2]; sscanf(text, "%2x", &byte) == 1; text += 2) {
