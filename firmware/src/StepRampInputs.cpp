@@ -27,7 +27,7 @@ void use_inputs()
         machine_check_ways,      machine_check_part,       machine_end_run,
         machine_forget_fast,     machine_inputs_configure, machine_watch_inputs,
         machine_active_inputs,   machine_stopped_by,       machine_acknowledge,
-        machine_is_in_emergency, inputs_read,              emergency_release,
+        machine_is_in_emergency, machine_new_stop,         emergency_release,
         settings_check_inputs,   arduino_inputs_are_good,  arduino_configure_inputs,
         arduino_sees_stop};
     stepramp_inputs = &functions;

@@ -4,7 +4,7 @@
  * A driver's step is on pin 2, its direction on pin 5, the button between pin A0 and ground.
  * Where it has come to rest is told at the serial port at 115200 baud.
  *
- * It fits an Uno and a Mega, with a timer, too; no Leonardo. With an exported ramp, useRampInFlash(), it fits that, with a timer, too. */
+ * It fits an Uno and a Mega, with a timer, too; a Leonardo without a timer. With an exported ramp, useRampInFlash(), it fits that with one, too. */
 #include <StepRampAxis.h>
 
 const uint8_t BUTTON = A0;

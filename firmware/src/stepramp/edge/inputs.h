@@ -34,7 +34,7 @@ struct inputs_functions {
     uint8_t (*machine_stopped_by)(void);
     bool (*machine_acknowledge)(void);
     bool (*machine_is_in_emergency)(void);
-    uint16_t (*inputs_read)(void);
+    uint8_t (*machine_new_stop)(const uint8_t *before, const uint8_t *roles);
     void (*emergency_release)(void);
     uint8_t (*settings_check_inputs)(const uint8_t *bytes);
     bool (*arduino_inputs_are_good)(void);

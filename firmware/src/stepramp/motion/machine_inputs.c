@@ -13,6 +13,9 @@
 
 enum { ALL_AXES = (1 << MOST_AXES) - 1 };
 
+/* A pull-up that has just been switched on raises a long cable within some 100 us: what is active is so in all looks. */
+enum { LOOKS_AT_NEW_ROLES = 100 };
+
 uint8_t stepramp_known_positions;
 
 static uint16_t active;         /* a bit each */
@@ -225,6 +228,22 @@ static void look_at_lateness(uint16_t changed_ms)
 bool machine_is_in_emergency(void)
 {
     return (stopped_by & BY_EMERGENCY_STOP) != 0 || emergency_is_latched();
+}
+
+uint8_t machine_new_stop(const uint8_t before[INPUTS], const uint8_t roles[INPUTS])
+{
+    uint16_t stays_active = (1u << EMERGENCY_INPUTS) - 1;
+    for (uint8_t left = LOOKS_AT_NEW_ROLES; left != 0; left--) {
+        stays_active &= inputs_read();
+    }
+    uint8_t input = 0;
+    for (; input < EMERGENCY_INPUTS; input++) {
+        bool is_stop = (roles[input] & ROLE_BITS) == ROLE_EMERGENCY_STOP;
+        if ((stays_active >> input & 1) != 0 && is_stop && roles[input] != before[input]) {
+            break;
+        }
+    }
+    return input;
 }
 
 /* What nobody has been told yet nobody acknowledges. */

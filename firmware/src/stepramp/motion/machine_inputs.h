@@ -37,6 +37,9 @@ uint8_t machine_stopped_by(void);
 /* By an emergency stop, which may be there still: what its input is for stays as it is until then. */
 bool machine_is_in_emergency(void);
 
+/* Which input is an emergency stop that is active, by a role that it didn't have before; EMERGENCY_INPUTS: none. */
+uint8_t machine_new_stop(const uint8_t before[INPUTS], const uint8_t roles[INPUTS]);
+
 /* Motions are taken again. Returns false when what stopped them is still there. */
 bool machine_acknowledge(void);
 

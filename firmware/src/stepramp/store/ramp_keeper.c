@@ -129,28 +129,6 @@ const uint8_t *ramp_keeper_settings(void)
 
 #if HAS_INPUTS
 enum { ROLES_AT = offsetof(struct settings, roles) };
-
-/* A pull-up that has just been switched on raises a long cable within some 100 us: what is active is so in all looks. */
-enum { LOOKS_AT_NEW_ROLES = 100 };
-
-/* Where among the settings the role of an emergency stop lies that is active and was none before, or of another level;
- * SETTINGS_BYTES: nowhere. */
-static uint8_t new_stop_at(const uint8_t *before)
-{
-    uint16_t active = (1u << EMERGENCY_INPUTS) - 1;
-    for (uint8_t left = LOOKS_AT_NEW_ROLES; left != 0; left--) {
-        active &= WITH_INPUTS(inputs_read)();
-    }
-    uint8_t at = ROLES_AT;
-    for (; active != 0; active >>= 1, at++) {
-        uint8_t role = ramp_keeper_settings()[at];
-        if ((active & 1) != 0 && (role & ROLE_BITS) == ROLE_EMERGENCY_STOP && role != before[at]) {
-            return at;
-        }
-    }
-    return SETTINGS_BYTES;
-}
-
 #endif
 
 void ramp_keeper_exchange_settings(uint8_t *bytes, uint8_t count)
@@ -167,12 +145,15 @@ uint8_t ramp_keeper_use_settings(uint8_t *before, uint8_t count)
 {
     use();
 #if HAS_INPUTS
-    uint8_t bad = has_inputs() && count == SETTINGS_BYTES ? new_stop_at(before) : SETTINGS_BYTES;
-    if (bad != SETTINGS_BYTES) {
+    uint8_t input = EMERGENCY_INPUTS;
+    if (has_inputs() && count == SETTINGS_BYTES) {
+        input = WITH_INPUTS(machine_new_stop)(before + ROLES_AT, ramp_keeper_settings() + ROLES_AT);
+    }
+    if (input != EMERGENCY_INPUTS) {
         ramp_keeper_exchange_settings(before, count);
         use();
         WITH_INPUTS(emergency_release)(); /* latched by those settings; or one that is active still, which stays */
-        return bad;
+        return (uint8_t)(ROLES_AT + input);
     }
 #endif
     (void)before, (void)count;
