@@ -176,10 +176,16 @@ static void halt(uint8_t axes)
     step_queue_clear(axes);
 }
 
-static void begin(void)
+static struct settings default_settings(void)
 {
     struct settings settings;
     settings_set_defaults(&settings);
+    return settings;
+}
+
+static void begin(void)
+{
+    struct settings settings = default_settings();
     job_read_head(&head);
     settings.outputs = head.mode == MODE_GAUGES ? OUTPUTS_GAUGES : OUTPUTS_STEP_AND_DIRECTION;
     settings.both_edges = head.both_edges;
