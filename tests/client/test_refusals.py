@@ -55,6 +55,13 @@ def test_other_errors_are_of_their_kind(error: StepRampError) -> None:
     assert (type(read), str(read)) == (type(error), str(error))
 
 
+def test_what_is_refused_of_one_thing_is_refused_still() -> None:
+    error = Refused("The motor moves.", "axis", 1, "at rest")
+    read = error_of(409, bytes(error_response(error).body), "http://a")
+    assert isinstance(read, Refused)
+    assert (str(read), read.field, read.value, read.allowed) == ("The motor moves.", "axis", 1, "at rest")
+
+
 def test_what_is_no_refusal_is_of_no_stepramp() -> None:
     assert isinstance(error_of(502, b"<html>", "http://a"), NoServer)
     assert "is null" in str(error_of_items(error_items(Rejected([Rejection("a", None, "b", is_null=True)]))))

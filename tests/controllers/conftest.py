@@ -1,5 +1,5 @@
-import itertools
 from collections.abc import Callable, Iterator
+from secrets import token_hex
 
 import pytest
 
@@ -8,8 +8,6 @@ from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.link import protocol_sim
 from stepramp.link.protocol_sim import VirtualDevice
 from stepramp.link.serial_port import SerialPort
-
-_numbers = itertools.count()
 
 
 class Clock:
@@ -27,7 +25,8 @@ def plug_in() -> Callable[[VirtualDevice], str]:
     """Plug a virtual device in at a port of its own, and return that."""
 
     def plug_in(device: VirtualDevice) -> str:
-        port = f"sim://test-{next(_numbers)}"
+        # No other test's: this file is loaded more than once, and a device of another may still be looked for.
+        port = f"sim://test-{token_hex(8)}"
         protocol_sim.register(port, device)
         return port
 

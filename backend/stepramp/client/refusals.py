@@ -29,7 +29,11 @@ def error_of(status: int, content: bytes, url: str) -> StepRampError:
         items = ErrorList.model_validate_json(content).errors
     except ValidationError:
         return NoServer(f"What answers at {url} is no StepRamp (status {status}).")
-    return error_of_items(items, _KINDS.get(status, StepRampError))
+    kind = _KINDS.get(status, StepRampError)
+    if kind is Refused and len(items) == 1:
+        [item] = items
+        return Refused(item.message, item.field, item.value, item.allowed)
+    return error_of_items(items, kind)
 
 
 def error_of_items(items: Sequence[ErrorItem], kind: type[StepRampError] = Refused) -> StepRampError:
