@@ -166,6 +166,44 @@ def test_of_those_that_have_just_come_the_one_that_waits_longest_ends_first() ->
     run(work())
 
 
+def test_one_that_was_answered_just_now_outlives_those_that_do_nothing_for_longer() -> None:
+    """Over it a stop came."""
+
+    async def work() -> None:
+        served = Served(Connections(most=3, heard_within_s=FOREVER_S, new_s=FOREVER_S))
+        async with served.listening() as opened:
+            silent, kept = await opened(b""), await opened(REQUEST)
+            assert await kept.is_answered()
+            for _ in range(2):
+                await opened(b"")
+            assert await silent.has_ended()
+            kept.writer.write(REQUEST)
+            assert await kept.is_answered()
+
+    run(work())
+
+
+def test_one_at_which_bytes_wait_to_be_read_outlives_all_that_are_not_served() -> None:
+    """They may be a stop; it would be lost unread."""
+
+    async def work() -> None:
+        served = Served(Connections(most=3, heard_within_s=FOREVER_S, new_s=FOREVER_S))
+        async with served.listening() as opened:
+            kept = await opened(REQUEST)
+            assert await kept.is_answered()
+            served.let_time_pass()
+            # As if the loop had no turn yet in which it is read.
+            unread = served.taken[0].transport
+            unread.pause_reading()
+            kept.writer.write(REQUEST)
+            for _ in range(4):
+                await opened(b"")
+            unread.resume_reading()
+            assert await kept.is_answered()
+
+    run(work())
+
+
 def test_one_is_accepted_although_all_are_being_served() -> None:
     async def work() -> None:
         served = Served(Connections(most=3, heard_within_s=FOREVER_S))

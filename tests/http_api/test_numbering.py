@@ -243,39 +243,120 @@ def test_a_stop_over_a_websocket_counts_from_the_instant_in_which_its_answer_is_
     run(work())
 
 
-def test_what_waits_to_be_accepted_when_a_stop_is_answered_is_as_old_as_the_stop() -> None:
-    """A request over a new connection, sent before the answer."""
+@asynccontextmanager
+async def listening(numbered: Numbered, accepted_a_turn: int = 4) -> AsyncIterator[Callable[[str], socket.socket]]:
+    """Yield what connects, at once, and asks for a path, if for any."""
+    config = uvicorn.Config(numbered.served, interface="asgi3", log_level="critical")
+    made = numbering(numbered.now, numbered.connections)
+    ours = socket.create_server(("127.0.0.1", 0))
+    listener = await asyncio.get_running_loop().create_server(
+        lambda: made(config=config, server_state=ServerState(), app_state={}), sock=ours, backlog=accepted_a_turn
+    )
+    ours.listen(100)
+    numbered.connections.listen(ours)
+    opened: list[socket.socket] = []
+
+    def connect(path: str = "") -> socket.socket:
+        opened.append(socket.create_connection(ours.getsockname()))
+        opened[-1].sendall(get(path) if path else b"")
+        return opened[-1]
+
+    try:
+        yield connect
+    finally:
+        listener.close()
+        for each in opened:
+            each.close()
+        await asyncio.sleep(0.01)
+
+
+@pytest.mark.parametrize("ahead", [0, 1, 3, 4, 5, 40])
+def test_what_waits_to_be_accepted_when_a_stop_is_answered_is_as_old_as_the_stop(ahead: int) -> None:
+    """A request over a new connection, sent before the answer, however many turns it takes until it is accepted."""
 
     async def work() -> None:
         numbered = Numbered()
         stops: list[int] = []
-        sent: list[socket.socket] = []
 
         async def app(scope: Scope, receive: Receive, send: Send) -> None:
             if scope["path"] == STOP:
-                sent.append(socket.create_connection(listener.sockets[0].getsockname()))
-                sent[0].sendall(get("/move"))
+                for _ in range(ahead):
+                    connect("")
+                connect("/move")
                 stops.append(numbered.now())
             await numbered.app(scope, receive, send)
 
         numbered.served = RequestNumbering(Answered(app, numbered.now, numbered.connections), numbered.now)
-        config = uvicorn.Config(numbered.served, interface="asgi3", log_level="critical")
-        made = numbering(numbered.now, numbered.connections)
-        listener = await asyncio.get_running_loop().create_server(
-            lambda: made(config=config, server_state=ServerState(), app_state={}), "127.0.0.1", 0
-        )
-        numbered.connections.listen(listener.sockets[0])
-        reader, writer = await asyncio.open_connection(*listener.sockets[0].getsockname())
-        writer.write(get(STOP).replace(b"GET", b"POST"))
-        await numbered.until(lambda: "/move" in numbered.numbers)
-        assert numbered.numbers["/move"] < stops[0]
-        # Whoever connects afterwards asks anew.
-        assert numbered.connections.late is None
-        await reader.readuntil(b"answered")
-        sent[0].close()
-        writer.close()
-        listener.close()
-        await asyncio.sleep(0.01)
+        async with listening(numbered) as connect:
+            connect("").sendall(get(STOP).replace(b"GET", b"POST"))
+            await numbered.until(lambda: "/move" in numbered.numbers)
+            assert numbered.numbers["/move"] < stops[0]
+            connect("/anew")
+            await numbered.until(lambda: "/anew" in numbered.numbers)
+            assert numbered.numbers["/anew"] > stops[0]
+
+    run(work())
+
+
+@pytest.mark.parametrize("turns", range(6))
+def test_what_is_being_accepted_when_a_stop_is_answered_is_as_old_as_the_stop(turns: int) -> None:
+    """In whichever turn of the loop; and what connects in the very turn of the answer is new."""
+
+    async def work() -> None:
+        numbered = Numbered()
+        async with listening(numbered) as connect:
+            before = numbered.now()
+            connect("/move")
+            for _ in range(turns):
+                await asyncio.sleep(0)
+            stopped = numbered.now()
+            numbered.connections.make_unread_as_old_as(before)
+            if turns > 1:
+                # Nothing waits to be accepted any more.
+                connect("/anew")
+                await numbered.until(lambda: "/anew" in numbered.numbers)
+                assert numbered.numbers["/anew"] > stopped
+            await numbered.until(lambda: "/move" in numbered.numbers)
+            assert numbered.numbers["/move"] < stopped
+
+    run(work())
+
+
+def test_what_waits_to_be_accepted_when_several_stops_are_answered_is_as_old_as_the_first() -> None:
+    """The first may have been of one device, the second of another one."""
+
+    async def work() -> None:
+        numbered = Numbered()
+        async with listening(numbered, accepted_a_turn=1) as connect:
+            first = numbered.now()
+            for _ in range(10):
+                connect("")
+            connect("/move")
+            numbered.connections.make_unread_as_old_as(first)
+            await asyncio.sleep(0)
+            second = numbered.now()
+            connect("/between")
+            numbered.connections.make_unread_as_old_as(second)
+            last = numbered.now()
+            await numbered.until(lambda: "/between" in numbered.numbers)
+            assert (numbered.numbers["/move"], numbered.numbers["/between"] < last) == (first, True)
+
+    run(work())
+
+
+def test_however_many_keep_connecting_no_more_are_as_old_as_a_stop_than_can_have_waited(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def work() -> None:
+        monkeypatch.setattr("stepramp.http_api.connections.MOST_LATE", 10)
+        numbered = Numbered()
+        async with listening(numbered, accepted_a_turn=1) as connect:
+            before = numbered.now()
+            for number in range(20):
+                connect(f"/{number}")
+            numbered.connections.make_unread_as_old_as(before)
+            await numbered.until(lambda: len(numbered.numbers) == 20)
+            assert [numbered.numbers[f"/{number}"] == before for number in range(20)] == [True] * 10 + [False] * 10
 
     run(work())
 

@@ -2,16 +2,19 @@
 
 When there are too many, that one ends whose end harms least: one that never sent anything, then one between two
 requests, then one whose request doesn't come to its end; of these the one that has waited longest. One that has just
-come, or whose request has just begun, outlives all of these: it may be a stop that wasn't read yet.
+come, whose request has just begun or been answered, or at which bytes wait to be read outlives all of these: it may be
+a stop that wasn't read yet, or whoever has just stopped.
 """
 
 import asyncio
 import socket
 import sys
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from enum import IntEnum
 from select import select
 from typing import Any
+from weakref import WeakSet
 
 import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
@@ -21,6 +24,9 @@ MOST_NEW = 64
 """So many are accepted in a turn of the loop, and it takes four turns until one that has to go is gone."""
 MOST_WAITING = 1024
 """So many wait in the system until they are accepted."""
+MOST_LATE = MOST_WAITING + 1 + MOST_NEW
+"""So many at most have come when a stop is answered, and are not known yet: those that wait, of which Linux takes one
+more than it is told, and those that were accepted in this turn."""
 DESCRIPTORS = 1024
 """Files and connections that the process may have open: all connections, those of four turns, and 256 others. More are
 no use: pyserial waits by `select`, which knows no descriptors from 1,024 on."""
@@ -28,11 +34,10 @@ HEARD_WITHIN_S = 15.0
 """A connection that has sent nothing for so long, and a request that has not come whole, end within twice that [s]."""
 
 NEW_S = 1.0
-"""So long a connection that has sent nothing, or only the begin of a request, is new [s]."""
+"""So long a connection that has sent nothing, only the begin of a request, or that was answered, is new [s]."""
 
-
-TURNS_TO_ACCEPT = 4
-"""Of the loop, from when a connection waits to be accepted until it has been."""
+TURNS_TO_KNOW = 2
+"""Of the loop, within which all that it has accepted are known, and none that it accepts later."""
 
 
 def readable(sockets: Iterable[socket.socket]) -> list[socket.socket]:
@@ -56,6 +61,19 @@ class Stage(IntEnum):
 UNHEARD = (Stage.SILENT, Stage.BEGUN)
 
 
+@dataclass
+class _Answered:
+    """A stop that was answered while others may have waited to be accepted.
+
+    request_number: how old these are. most_left: so many can be left of them. turns: see TURNS_TO_KNOW.
+    """
+
+    request_number: int
+    most_left: int
+    are_all_accepted: bool
+    turns: int = TURNS_TO_KNOW
+
+
 class Connections:
     """Those that are open, in one event loop.
 
@@ -69,9 +87,10 @@ class Connections:
         self.heard_within_s = heard_within_s
         self.new_s = new_s
         self._open: set[Connection] = set()
+        # Those that were accepted, and whose handshake, if they are encrypted, isn't done yet.
+        self._coming: WeakSet[Connection] = WeakSet()
         self._listener: socket.socket | None = None
-        # What those count as asked for that are being accepted, and have been heard by then.
-        self.late: int | None = None
+        self._answered: list[_Answered] = []
 
     def listen(self, listener: socket.socket) -> None:
         """Know where those come from that wait until they are accepted."""
@@ -83,27 +102,43 @@ class Connections:
             # Those that became WebSockets don't tell of their end.
             self._open = {each for each in self._open if not each.is_over}
         if len(self._open) >= self._most:
-            min(self._open, key=lambda each: each.turn_to_end).transport.abort()
+            unread = set(readable(each.end for each in self._open if not each.transport.is_closing()))
+            min(self._open, key=lambda each: each.turn_to_end(each.end in unread)).transport.abort()
         self._open.add(connection)
+        self._coming.discard(connection)
+
+    def come(self, connection: "Connection") -> int | None:
+        """Know one that was accepted; return what it counts as asked for then, if that is before a stop's answer."""
+        self._coming.add(connection)
+        for each in self._answered:
+            each.most_left -= 1
+        return min((each.request_number for each in self._answered if each.most_left >= 0), default=None)
 
     def make_unread_as_old_as(self, request_number: int, but: Sequence[object] | None = None) -> None:
         """Have what has come in, and waits to be read, count as asked for then.
 
         but: the address of a client of whom this doesn't hold, since it has only now been answered.
         """
-        listening = {each.transport.get_extra_info("socket"): each for each in self._open if each.is_listening}
+        listening = {each.end: each for each in self._open if each.is_listening}
         for unread in readable(listening):
             if but is None or tuple(but) != listening[unread].client:
                 listening[unread].make_as_old_as(request_number)
-        if self._listener is not None and readable([self._listener]):
-            self.late = request_number
-            asyncio.get_running_loop().call_soon(self._end_of_late, TURNS_TO_ACCEPT)
+        for coming in self._coming:
+            coming.come_before(request_number)
+        if self._listener is not None:
+            self._answered.append(_Answered(request_number, MOST_LATE, are_all_accepted=not readable([self._listener])))
+            if len(self._answered) == 1:
+                asyncio.get_running_loop().call_soon(self._see_who_waits, self._listener)
 
-    def _end_of_late(self, turns: int) -> None:
-        if turns == 0:
-            self.late = None
-        else:
-            asyncio.get_running_loop().call_soon(self._end_of_late, turns - 1)
+    def _see_who_waits(self, listener: socket.socket) -> None:
+        """Forget a stop's answer once all are known that waited then, however many have come since."""
+        is_empty = not readable([listener])
+        for each in self._answered:
+            each.turns -= each.are_all_accepted
+            each.are_all_accepted |= is_empty
+        self._answered = [each for each in self._answered if each.turns > 0 and each.most_left > 0]
+        if self._answered:
+            asyncio.get_running_loop().call_soon(self._see_who_waits, listener)
 
     def discard(self, connection: "Connection") -> None:
         """Note that one has ended."""
@@ -118,13 +153,22 @@ class Connection(H11Protocol):
         self._connections = connections
         self._waits_since_s = self.loop.time()
         self._is_silent = True
+        self._is_encrypted = self.config.is_ssl
+        late = connections.come(self)
+        # Nobody has sent a request, encrypted, before we have said hello.
+        self._came_before = None if self._is_encrypted else late
+
+    def come_before(self, request_number: int) -> None:
+        """Note, before it is made, that a stop is answered; a request that was sent counts as asked for then."""
+        self._came_before = min(request_number, self._came_before or request_number)
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # like its base
         """Begin to serve; end another connection when there are too many."""
         super().connection_made(transport)
         self._connections.add(self)
-        if self._connections.late is not None and readable([transport.get_extra_info("socket")]):
-            self.make_as_old_as(self._connections.late)
+        # What came with the end of a handshake has been read already.
+        if self._came_before is not None and (self._is_encrypted or readable([self.end])):
+            self.make_as_old_as(self._came_before)
         self._look_later()
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -149,6 +193,12 @@ class Connection(H11Protocol):
         """Have what waits to be read count as asked for then."""
 
     @property
+    def end(self) -> socket.socket:
+        """Our end of it."""
+        ours: socket.socket = self.transport.get_extra_info("socket")
+        return ours
+
+    @property
     def is_listening(self) -> bool:
         """Whether requests come over it."""
         return not (self.transport.is_closing() or self._is_websocket)
@@ -170,11 +220,15 @@ class Connection(H11Protocol):
         is_at_rest = self.conn.their_state is h11.IDLE and not self.conn.trailing_data[0]
         return Stage.BETWEEN if is_at_rest else Stage.BEGUN
 
-    @property
-    def turn_to_end(self) -> tuple[Stage, float]:
-        """What it is doing, and since when: the least ends first."""
-        stage, since_s = self.stage, self._waits_since_s
-        is_new = stage in UNHEARD and self.loop.time() - since_s < self._connections.new_s
+    def turn_to_end(self, has_unread: bool) -> tuple[Stage, float]:
+        """Return what it is doing, and since when: the least ends first.
+
+        has_unread: bytes wait to be read, which have come just now.
+        """
+        stage, since_s, now_s = self.stage, self._waits_since_s, self.loop.time()
+        if has_unread and Stage.ENDING < stage < Stage.SERVED:
+            return Stage.NEW, now_s
+        is_new = Stage.ENDING < stage < Stage.SERVED and now_s - since_s < self._connections.new_s
         return (Stage.NEW if is_new else stage), since_s
 
     @property

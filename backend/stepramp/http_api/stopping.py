@@ -120,6 +120,7 @@ async def _granted(stopped: "Future[None]") -> None:
     await asyncio.shield(asyncio.wrap_future(stopped))
     # Whatever has come in by now is read while nothing may move: it was asked for before the answer.
     # Four turns of the loop: two until a new connection is accepted, one until it is read from, one until that is done.
+    # Who is further back among those that connect isn't waited for: see Connections.make_unread_as_old_as.
     for _ in range(4):
         await asyncio.sleep(0)
 
