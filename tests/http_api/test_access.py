@@ -195,19 +195,46 @@ def test_jobs_and_sockets_of_one_client_are_counted(server: TestClient, monkeypa
         assert again.receive_json() == {"devices": []}
 
 
-def test_only_so_many_browsers_are_known() -> None:
+def with_cookies(cookies: str) -> dict[str, Any]:
+    """Return a request to port 1 with cookies."""
+    return {"type": "http", "server": ("h", 1), "client": ("a", 2), "headers": [(b"cookie", cookies.encode())]}
+
+
+def test_only_so_many_browsers_are_known_and_those_of_one_role_push_out_none_of_the_other() -> None:
     access = Access(TOKENS)
-    first = access.begin_session(Role.VIEW)
-    scope = {
-        "type": "http",
-        "server": ("h", 1),
-        "client": ("a", 2),
-        "headers": [(b"cookie", f"stepramp-session-1={first}".encode())],
-    }
-    assert access.client_of(scope) is not None
+    looks_on, operates = (with_cookies(f"stepramp-session-1={access.begin_session(role)}") for role in Role)
+    assert access.client_of(looks_on) is not None
     for _ in range(MOST_SESSIONS):
         access.begin_session(Role.VIEW)
-    assert access.client_of(scope) is None
+    assert access.client_of(looks_on) is None
+    assert access.client_of(operates) is not None
+
+
+@pytest.mark.parametrize(
+    "other",
+    ['foo={"a":1}', "a b=1", "x=é", "foo", "foo[bar]=1", "session=a,b c", 'q="', "=", "", "stepramp-session-1=theirs"],
+)
+def test_cookies_of_other_programs_at_the_same_host_shut_nobody_out(other: str) -> None:
+    access = Access(TOKENS)
+    own = f"stepramp-session-1={access.begin_session(Role.OPERATE)}"
+    for cookies in (f"{other}; {own}", f"{own}; {other}", f"{other};{own};{other}"):
+        client = access.client_of(with_cookies(cookies))
+        assert client is not None, cookies
+        assert client.role is Role.OPERATE
+
+
+def test_a_browser_that_is_known_stays_who_it_is_whatever_link_it_follows(server: TestClient) -> None:
+    signed_in(server, Role.VIEW)
+    looks_on = dict(server.cookies)
+    signed_in(server, Role.VIEW)
+    assert dict(server.cookies) == looks_on
+    signed_in(server, Role.OPERATE)
+    operates = dict(server.cookies)
+    assert server.get("/api/v1/access").json()["role"] == "operate"
+    for role in (Role.OPERATE, Role.VIEW):
+        signed_in(server, role)
+        assert dict(server.cookies) == operates
+    assert server.get("/api/v1/access").json()["role"] == "operate"
 
 
 def test_new_tokens_are_each_their_own() -> None:

@@ -5,11 +5,10 @@ A server that listens on this machine only needs none of it: see security.
 
 import threading
 from collections import OrderedDict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping
 from contextvars import ContextVar
 from dataclasses import dataclass
 from enum import StrEnum
-from http.cookies import CookieError, SimpleCookie
 from secrets import compare_digest, token_urlsafe
 from typing import Self
 
@@ -21,7 +20,7 @@ CLIENT = "stepramp.client"
 COOKIE = "stepramp-session"
 """Beginning of the cookie's name; the port follows, as browsers send a host's cookies to all of its ports."""
 MOST_SESSIONS = 1000
-"""So many browsers are known at a time; who was heard of longest ago has to show the token again."""
+"""So many browsers of a role are known at a time; who was heard of longest ago has to show the token again."""
 LEAST_TOKEN, MOST_TOKEN = 16, 200
 """Lengths of a token [characters]."""
 
@@ -71,7 +70,8 @@ class Access:
         self._tokens = dict(tokens)
         self.is_encrypted = is_encrypted
         self._lock = threading.Lock()
-        self._sessions: OrderedDict[str, Role] = OrderedDict()
+        # By role: however many look on, who operates stays known.
+        self._sessions: dict[Role, OrderedDict[str, None]] = {role: OrderedDict() for role in Role}
 
     @classmethod
     def with_new_tokens(cls, *, is_encrypted: bool = False) -> Self:
@@ -98,32 +98,38 @@ class Access:
         """Return what a browser keeps in place of the token."""
         session = token_urlsafe(24)
         with self._lock:
-            self._sessions[session] = role
-            while len(self._sessions) > MOST_SESSIONS:
-                self._sessions.popitem(last=False)
+            self._sessions[role][session] = None
+            while len(self._sessions[role]) > MOST_SESSIONS:
+                self._sessions[role].popitem(last=False)
         return session
 
     def client_of(self, scope: Scope) -> Client | None:
         """Return who sends a request or opens a WebSocket; None for somebody without a token that counts."""
-        headers = Headers(scope=scope)
-        place = (scope.get("client") or ("somewhere",))[0]
-        scheme, _, token = headers.get("authorization", "").partition(" ")
-        if scheme:
-            role = self.role_of(token.strip()) if scheme.lower() == "bearer" else None
-            return None if role is None else Client(str(place), role)
-        return next((each for each in self._known(headers.getlist("cookie"), cookie_of(scope), str(place))), None)
+        scheme, _, token = Headers(scope=scope).get("authorization", "").partition(" ")
+        if not scheme:
+            return self.browser_of(scope)
+        role = self.role_of(token.strip()) if scheme.lower() == "bearer" else None
+        return None if role is None else Client(_place_of(scope), role)
 
-    def _known(self, cookies: Iterable[str], name: str, place: str) -> Iterable[Client]:
-        for text in cookies:
-            try:
-                cookie = SimpleCookie(text)
-            except CookieError:
-                continue
-            if name not in cookie:
-                continue
-            session = cookie[name].value
+    def browser_of(self, scope: Scope) -> Client | None:
+        """Return whose browser sends a request, by its cookie; None for one that has not shown a token."""
+        for session in _cookies(scope, cookie_of(scope)):
             with self._lock:
-                role = self._sessions.get(session)
+                role = next((role for role, sessions in self._sessions.items() if session in sessions), None)
                 if role is not None:
-                    self._sessions.move_to_end(session)
-                    yield Client(place, role, session[:6])
+                    self._sessions[role].move_to_end(session)
+                    return Client(_place_of(scope), role, session[:6])
+        return None
+
+
+def _place_of(scope: Scope) -> str:
+    return str((scope.get("client") or ("somewhere",))[0])
+
+
+def _cookies(scope: Scope, name: str) -> Iterator[str]:
+    """Yield the values of a cookie. Others, of whatever programs at the same host, may look as they like."""
+    for text in Headers(scope=scope).getlist("cookie"):
+        for cookie in text.split(";"):
+            its_name, _, value = cookie.strip().partition("=")
+            if its_name == name:
+                yield value

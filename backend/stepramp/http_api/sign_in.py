@@ -93,6 +93,10 @@ class SignIn:
             return _form(WRONG)
         # Without the token: else it would stand in the browser's history, and be copied with the address.
         response = RedirectResponse(_without_token(scope), status_code=303, headers={"cache-control": "no-store"})
+        known = self._access.browser_of(scope)
+        if known is not None and known.role in (role, Role.OPERATE):
+            # A link to look on, wherever it was found, takes nothing from who operates.
+            return response
         session = self._access.begin_session(role)
         response.set_cookie(
             cookie_of(scope), session, httponly=True, samesite="lax", secure=self._access.is_encrypted, path="/"
