@@ -182,6 +182,40 @@ def test_one_client_has_its_share_and_stops_are_free(server: TestClient, monkeyp
     assert all(server.post(f"{DEVICES}/stop", headers=LOOKS_ON).status_code == 200 for _ in range(9))
 
 
+def test_browsers_at_one_address_have_a_share_together(server: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(client_limits, "MOST_AT_ONCE", 5)
+    monkeypatch.setattr(client_limits, "MOST_PER_S", 0.001)
+    monkeypatch.setattr(client_limits, "OF_A_PLACE", 3)
+    statuses = []
+    for _ in range(5):
+        server.cookies.clear()
+        signed_in(server, Role.VIEW)
+        statuses.append([server.get("/api/v1/health").status_code for _ in range(4)])
+    assert statuses == [[200] * 4] * 3 + [[200] * 3 + [429], [429] * 4]
+    assert "at your address" in message(server.get("/api/v1/health"))
+    assert server.get("/api/v1/health", headers=OPERATES).status_code == 200
+    assert server.post(f"{DEVICES}/stop").status_code == 200
+
+
+def test_sockets_of_browsers_at_one_address_are_counted_together(
+    server: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(client_limits, "MOST_SOCKETS", 1)
+    monkeypatch.setattr(client_limits, "OF_A_PLACE", 2)
+    browsers = []
+    for _ in range(3):
+        server.cookies.clear()
+        signed_in(server, Role.VIEW)
+        # Sockets of the test's client come in at port 80.
+        browsers.append({"host": HOST, "cookie": f"stepramp-session-80={server.cookies['stepramp-session-8000']}"})
+    one, other, more = (server.websocket_connect(EVENTS, headers=each) for each in browsers)
+    with one, other:
+        with pytest.raises(WebSocketDisconnect), more:
+            pass
+        with server.websocket_connect(EVENTS, headers={"host": HOST, **OPERATES}) as operates:
+            assert operates.receive_json() == {"devices": []}
+
+
 def test_jobs_and_sockets_of_one_client_are_counted(server: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(client_limits, "MOST_SOCKETS", 1)
     with (

@@ -8,7 +8,7 @@ from time import monotonic
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from stepramp.errors import TooOften
-from stepramp.http_api.access import ASKING, Client
+from stepramp.http_api.access import ASKING, Role
 from stepramp.http_api.door import is_stop
 from stepramp.http_api.errors import error_response
 from stepramp.http_api.sign_in import client_of
@@ -21,29 +21,44 @@ MOST_SERVED = 64
 """So many requests of one client are served at a time."""
 MOST_SOCKETS = 24
 """So many WebSockets of one client are open at a time: a page has three."""
-MOST_CLIENTS = 2000
-"""So many are remembered; who was heard of longest ago is forgotten."""
+OF_A_PLACE = 3
+"""So many times as much all clients of a role at one address have together: a browser that shows its token again and
+again is a new client each time. Behind a proxy all are at its address."""
+MOST_REMEMBERED = 2000
+"""So many shares are remembered; the one that was used longest ago is forgotten."""
 
 
 class _Share:
-    """What one client has used of its share."""
+    """What one client has used of its share, or all of a role at one address of theirs: so many times as much."""
 
-    def __init__(self, now_s: float) -> None:
-        self._left, self._at_s = float(MOST_AT_ONCE), now_s
+    def __init__(self, times: int, now_s: float) -> None:
+        self._times = times
+        self._left, self._at_s = float(MOST_AT_ONCE * times), now_s
         self.open = {"http": 0, "websocket": 0}
 
-    def takes_s(self, now_s: float) -> float:
-        """Take one request; return 0, or after how long there is one to be taken [s]."""
-        self._left = min(MOST_AT_ONCE, self._left + (now_s - self._at_s) * MOST_PER_S)
+    def refusal(self, kind: str, now_s: float) -> tuple[TooOften, float] | None:
+        """Return why nothing more may be taken, and after how long it may [s]; None where it may."""
+        most, what = (MOST_SERVED, "requests") if kind == "http" else (MOST_SOCKETS, "WebSockets")
+        whose, who = ("of yours", "You ask") if self._times == 1 else ("at your address", "Those at your address ask")
+        most *= self._times
+        if self.open[kind] >= most:
+            return TooOften(f"{most} {what} {whose} are open already. Close some, and ask again."), 1.0
+        most_per_s = MOST_PER_S * self._times
+        self._left = min(MOST_AT_ONCE * self._times, self._left + (now_s - self._at_s) * most_per_s)
         self._at_s = now_s
         if self._left < 1:
-            return (1 - self._left) / MOST_PER_S
+            wait_s = (1 - self._left) / most_per_s
+            return TooOften(f"{who} more often than {most_per_s:g} times a second. Ask again later."), wait_s
+        return None
+
+    def begin(self, kind: str) -> None:
+        """Take one request, which is open from now on."""
         self._left -= 1
-        return 0.0
+        self.open[kind] += 1
 
 
 class ClientLimits:
-    """Middleware, in the server's loop: refuses with 429 what is more than a client's share.
+    """Middleware, in the server's loop: refuses with 429 what is more than a client's share, or its address's.
 
     Within the rest of the application ASKING tells who asks, for what limits itself. now_s: a clock [s].
     """
@@ -51,7 +66,7 @@ class ClientLimits:
     def __init__(self, app: ASGIApp, now_s: Callable[[], float] = monotonic) -> None:
         self._app = app
         self._now_s = now_s
-        self._shares: OrderedDict[str, _Share] = OrderedDict()
+        self._shares: OrderedDict[tuple[str, Role, int], _Share] = OrderedDict()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve a request, a WebSocket, or the application's beginning and end."""
@@ -59,34 +74,31 @@ class ClientLimits:
         if client is None or is_stop(scope):
             await self._app(scope, receive, send)
             return
-        share, kind = self._share_of(client), scope["type"]
-        if (refused := self._refusal(share, kind)) is not None:
+        now_s, kind = self._now_s(), scope["type"]
+        whose = (client.name, client.role, 1), (client.place, client.role, OF_A_PLACE)
+        shares = [self._share_of(each, now_s) for each in whose]
+        refused = next(filter(None, (share.refusal(kind, now_s) for share in shares)), None)
+        if refused is not None:
             error, wait_s = refused
             response = error_response(error)
             response.headers["retry-after"] = str(math.ceil(wait_s))
             await response(scope, receive, send)
             return
-        share.open[kind] += 1
+        for share in shares:
+            share.begin(kind)
         token = ASKING.set(client)
         try:
             await self._app(scope, receive, send)
         finally:
             ASKING.reset(token)
-            share.open[kind] -= 1
+            for share in shares:
+                share.open[kind] -= 1
 
-    def _refusal(self, share: _Share, kind: str) -> tuple[TooOften, float] | None:
-        most, what = (MOST_SERVED, "requests") if kind == "http" else (MOST_SOCKETS, "WebSockets")
-        if share.open[kind] >= most:
-            return TooOften(f"{most} {what} of yours are open already. Close some, and ask again."), 1.0
-        if wait_s := share.takes_s(self._now_s()):
-            return TooOften(f"You ask more often than {MOST_PER_S:g} times a second. Ask again later."), wait_s
-        return None
-
-    def _share_of(self, client: Client) -> _Share:
-        share = self._shares.setdefault(client.name, _Share(self._now_s()))
-        self._shares.move_to_end(client.name)
+    def _share_of(self, whose: tuple[str, Role, int], now_s: float) -> _Share:
+        share = self._shares.setdefault(whose, _Share(whose[2], now_s))
+        self._shares.move_to_end(whose)
         idle = (name for name, each in self._shares.items() if not any(each.open.values()) and each is not share)
-        while len(self._shares) > MOST_CLIENTS and (name := next(idle, None)) is not None:
+        while len(self._shares) > MOST_REMEMBERED and (name := next(idle, None)) is not None:
             del self._shares[name]
             idle = (name for name, each in self._shares.items() if not any(each.open.values()) and each is not share)
         return share
