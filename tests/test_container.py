@@ -117,7 +117,9 @@ def test_with_postgresql_everything_is_named_that_it_needs() -> None:
     stepramp, database = services["stepramp"], services["database"]
     # Reached from this machine only; within, from the engine's network, for which a token is asked.
     assert stepramp["ports"] == ["127.0.0.1:8000:8000"]
-    assert stepramp["command"] == ["--host", "0.0.0.0"]
+    *options, public = stepramp["command"]
+    assert options == ["--host", "0.0.0.0", "--public-url"]
+    assert public == "${STEPRAMP_PUBLIC_URL:-http://127.0.0.1:8000}"
     url = stepramp["environment"]["STEPRAMP_DATABASE_URL"]
     assert re.fullmatch(r"postgresql\+psycopg://stepramp:\$\{POSTGRES_PASSWORD:\?[^}]+\}@database/stepramp", url)
     assert database["environment"]["POSTGRES_USER"] == database["environment"]["POSTGRES_DB"] == "stepramp"

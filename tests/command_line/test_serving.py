@@ -1,5 +1,6 @@
 import asyncio
 import http.client
+import json
 import shutil
 import socket
 import ssl
@@ -12,7 +13,7 @@ import pytest
 from event_loop import run
 from server_process import ServerProcess
 from stepramp.command_line.main import main
-from stepramp.command_line.serving import free_port, port_number
+from stepramp.command_line.serving import free_port, port_number, public_url
 from stepramp.data_folder import FOLDER_VARIABLE
 from stepramp.errors import Rejected
 from tools import require
@@ -76,6 +77,58 @@ def test_an_address_that_is_none_of_this_machine_is_refused(host: str, capsys: p
     assert main(["--host", host, "--no-browser"]) == 2
     allowed = "an IP address of this machine; 0.0.0.0 stands for all of its own"
     assert capsys.readouterr().err == f"stepramp: --host is {host!r}; allowed: {allowed}.\n"
+
+
+@pytest.mark.parametrize(
+    "url",
+    ["lab.example", "ftp://lab.example", "https://", "https://lab.example/ramps", "https://lab.example?a=b", "",
+     "https://a b", "https://me@lab.example", "https://lab.example:0", "https://lab.example:65536",
+     "https://lab..example", "https://[::1",
+     "https://lab.example:", "https://läb.example", "https://lab.example#x", "https://*.example", "null"],
+)  # fmt: skip
+def test_an_address_that_the_server_can_t_be_reached_at_is_refused(
+    url: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["--public-url", url, "--no-browser"]) == 2
+    allowed = "http:// or https://, a host, and its port if it has one, as https://lab.example"
+    assert capsys.readouterr().err == f"stepramp: --public-url is {url!r}; allowed: {allowed}.\n"
+
+
+@pytest.mark.parametrize(
+    ("url", "origin"),
+    [
+        ("https://lab.example", "https://lab.example"),
+        (" HTTPS://Lab.Example:443/ ", "https://lab.example"),
+        ("https://lab.example:8443", "https://lab.example:8443"),
+        ("http://192.168.1.5:80", "http://192.168.1.5"),
+        ("http://[2001:DB8:0::1]:8000/", "http://[2001:db8::1]:8000"),
+    ],
+)
+def test_the_address_that_it_is_reached_at_is_told_as_browsers_do(url: str, origin: str) -> None:
+    assert public_url(url) == origin
+
+
+def test_behind_a_proxy_its_links_are_the_proxy_s_and_nobody_is_who_a_header_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    options = ["--public-url", "https://lab.example/", "--data-folder", str(tmp_path)]
+    with ServerProcess(8800, *options) as server:
+        assert server.process.stdout is not None
+        links = [server.process.stdout.readline().split()[-1] for _ in range(2)]
+        assert all(link.startswith("https://lab.example/?token=") for link in links)
+        assert server.address.hostname == "127.0.0.1"
+        connection = server.connection()
+        token = {"authorization": f"Bearer {links[0].split('token=')[1]}"}
+        forwarded = {"x-forwarded-for": "192.168.1.77", "x-forwarded-proto": "https", "forwarded": "for=192.168.1.77"}
+        connection.request("GET", "/api/v1/access", headers=token | forwarded)
+        with connection.getresponse() as response:
+            assert json.load(response) == {"role": "operate", "is_shared": True, "place": "127.0.0.1"}
+        connection.close()
+        # Commands of its user ask it where it listens.
+        monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
+        assert main(["stop"]) == 0
+        server.process.terminate()
+        assert server.ended() == ""
 
 
 def test_files_for_tls_that_make_no_sense_are_refused(

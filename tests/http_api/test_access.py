@@ -121,6 +121,29 @@ def test_over_tls_the_cookie_goes_over_tls_only(tmp_path: Path) -> None:
         assert server.get("/api/v1/health", headers={"origin": f"http://{HOST}"}).status_code == 403
 
 
+def test_behind_a_proxy_its_pages_are_those_of_the_address_that_it_is_reached_at(tmp_path: Path) -> None:
+    public = "https://lab.example"
+    app = create_app(data=tmp_path, access=Access(TOKENS, public_url=public))
+    with TestClient(app, base_url="http://lab.example", follow_redirects=False) as server:
+        shown = server.get("/", params={"token": TOKENS[Role.OPERATE]}, headers=A_PAGE)
+        assert (shown.headers["location"], "Secure" in shown.headers["set-cookie"]) == ("/", True)
+        # Whether the proxy passes the Host header on, or names the server by its own address.
+        for host, origin, status in (
+            ("lab.example", public, 200),
+            ("LAB.example", "https://LAB.example", 200),
+            ("127.0.0.1:8000", public, 200),
+            ("127.0.0.1:8000", "http://127.0.0.1:8000", 200),
+            ("lab.example", "http://lab.example", 403),
+            ("lab.example", "https://lab.example:8443", 403),
+            ("lab.example", "https://evil.example", 403),
+            ("127.0.0.1:8000", "https://127.0.0.1:8000", 403),
+        ):
+            headers = {"host": host, "origin": origin, **LOOKS_ON}
+            assert server.post(f"{DEVICES}/stop", headers=headers).status_code == status, (host, origin)
+        refused = server.get("/", headers={"host": "127.0.0.1:8000", "origin": "https://evil.example"})
+        assert "allowed: http://127.0.0.1:8000 or https://lab.example, or none." in message(refused)
+
+
 def test_who_looks_on_computes_and_stops_and_changes_nothing(server: TestClient) -> None:
     route = f"{DEVICES}/{server.post(DEVICES, json={'port': 'sim://'}, headers=OPERATES).json()['id']}"
     assert server.post("/api/v1/profile", json={"design": document()}, headers=LOOKS_ON).status_code == 200

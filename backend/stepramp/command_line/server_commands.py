@@ -38,6 +38,15 @@ def serve(
             help="ask for a token on this machine's own address, too: for a tunnel or a proxy that others come through",
         ),
     ] = False,
+    public_url: Annotated[
+        str | None,
+        typer.Option(
+            "--public-url",
+            metavar="URL",
+            help="how others reach it, through a proxy with TLS, as https://lab.example: the printed links lead there, "
+            "and everybody has to show a token",
+        ),
+    ] = None,
     certfile: Annotated[
         str | None,
         typer.Option("--certfile", metavar="FILE", help="certificate, to be spoken to over TLS; with --keyfile"),
@@ -78,7 +87,8 @@ def serve(
 ) -> None:
     """Start the server and open its page, until Ctrl+C. It is what `stepramp` without a command does, too."""
     remote = tuple(allow_remote_port or ())
-    begin(Options(host, port, require_token, certfile, keyfile, no_browser, data_folder, log_level, remote))
+    tls = certfile, keyfile
+    begin(Options(host, port, require_token, public_url, *tls, no_browser, data_folder, log_level, remote))
 
 
 def stop(

@@ -4,6 +4,7 @@ import gc
 import ipaddress
 import logging
 import os
+import re
 import socket
 import ssl
 import sys
@@ -24,6 +25,11 @@ PORTS_TRIED = 100
 LOG_LEVELS = ("critical", "error", "warning", "info", "debug")
 SWITCH_S = 0.0005
 """After so long a thread that computes in Python lets another go on [s]. A stop wakes several, one after the other."""
+_LABEL = "[a-z0-9_]([a-z0-9_-]{0,61}[a-z0-9_])?"
+_PUBLIC_URL = re.compile(
+    rf"(?P<scheme>https?)://(?P<host>{_LABEL}(\.{_LABEL})*|\[[0-9a-f:.]+\])(:(?P<port>[0-9]{{1,5}}))?/?"
+)
+_USUAL_PORTS = {"http": 80, "https": 443}
 
 
 def port_number(text: str) -> int:
@@ -44,6 +50,25 @@ def log_level(text: str) -> int:
     if text in LOG_LEVELS:
         return logging.getLevelNamesMapping()[text.upper()]
     raise Rejected([Rejection("--log-level", text, ", ".join(LOG_LEVELS))])
+
+
+def public_url(text: str) -> str:
+    """Return how a server is reached, as browsers tell where a page comes from.
+
+    Raises Rejected when the text is no such address.
+    """
+    match = _PUBLIC_URL.fullmatch(text.strip().lower())
+    try:
+        scheme, host, port = match.group("scheme", "host", "port") if match else ("", "", "0")
+        if host.startswith("["):
+            host = f"[{ipaddress.IPv6Address(host[1:-1])}]"
+        if port is None or 1 <= int(port) <= 65535:
+            is_usual = port is None or int(port) == _USUAL_PORTS[scheme]
+            return f"{scheme}://{host}" if is_usual else f"{scheme}://{host}:{int(port)}"
+    except ValueError:
+        pass
+    allowed = "http:// or https://, a host, and its port if it has one, as https://lab.example"
+    raise Rejected([Rejection("--public-url", text, allowed)])
 
 
 @dataclass(frozen=True)
@@ -120,12 +145,13 @@ def serve(
     data: Path | None = None,
     tls: Tls | None = None,
     require_token: bool = False,
+    public: str | None = None,
 ) -> None:
     """Serve the page and the API until interrupted.
 
     remote_ports: those of other machines that may be connected to. data: the folder of what outlasts the program. tls:
     how it is spoken to; None: over plain HTTP. require_token: also where it listens to this machine only; where it
-    listens to others, everybody has to show one.
+    listens to others, or these reach it at a public address, everybody has to show one.
     """
     # These load slowly: not for --help, nor for a command that asks a server
     import uvicorn  # noqa: PLC0415
@@ -139,8 +165,8 @@ def serve(
     from stepramp.http_api.server import Server as Running  # noqa: PLC0415
 
     host, port = listener.getsockname()[:2]
-    is_shared = require_token or not ipaddress.ip_address(host).is_loopback
-    access = Access.with_new_tokens(is_encrypted=tls is not None) if is_shared else None
+    is_shared = require_token or public is not None or not ipaddress.ip_address(host).is_loopback
+    access = Access.with_new_tokens(is_encrypted=tls is not None, public_url=public) if is_shared else None
     name = f"[{host}]" if ":" in host else host
     address = f"{'http' if tls is None else 'https'}://{name}:{port}/"
     # Within one machine, compressing what goes over a WebSocket takes longer than sending it.
@@ -149,6 +175,7 @@ def serve(
         app,
         log_level="warning",
         access_log=False,
+        proxy_headers=False,  # Whoever asks could say in them who they are.
         http=numbering(app.state.devices.order.next, app.state.connections),
         ws="websockets-sansio",
         ws_per_message_deflate=False,
@@ -165,9 +192,10 @@ def serve(
     gc.freeze()
     print(f"StepRamp is at {address} (Ctrl+C ends it)", flush=True)
     if access is not None:
+        address = address if public is None else f"{public}/"
         print(f"  to operate: {address}?token={access.token_of(Role.OPERATE)}")
         print(f"  to look on: {address}?token={access.token_of(Role.VIEW)}", flush=True)
-        if tls is None:
+        if not access.is_reached_over_tls:
             print("  Tokens go over the network as they are: --certfile and --keyfile encrypt them.", flush=True)
         address += f"?token={access.token_of(Role.OPERATE)}"
     if open_page:
@@ -187,6 +215,7 @@ def begin(options: "Options") -> None:
     logging.getLogger("stepramp").setLevel(log_level(options.log_level))
     remote_ports = RemotePorts.named(options.allow_remote_port, os.environ.get(KEYS_VARIABLE, ""))
     tls = Tls.named(options.certfile, options.keyfile)
+    public = None if options.public_url is None else public_url(options.public_url)
     listener = free_port(port_number(options.port), options.host)
     data = None if options.data_folder is None else Path(options.data_folder)
     with suppress(KeyboardInterrupt):  # Ended before there was a server.
@@ -197,6 +226,7 @@ def begin(options: "Options") -> None:
             data=data,
             tls=tls,
             require_token=options.require_token,
+            public=public,
         )
 
 
@@ -207,6 +237,7 @@ class Options:
     host: str
     port: str
     require_token: bool
+    public_url: str | None
     certfile: str | None
     keyfile: str | None
     no_browser: bool

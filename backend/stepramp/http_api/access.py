@@ -63,25 +63,35 @@ def cookie_of(scope: Scope) -> str:
 class Access:
     """The tokens of the roles, and the browsers that have shown one. For any thread.
 
-    is_encrypted: whether it is spoken to over TLS.
+    is_encrypted: whether it is spoken to over TLS. public_url: how others reach it, through a proxy; without a slash at
+    its end. None: where it listens.
     """
 
-    def __init__(self, tokens: Mapping[Role, str], *, is_encrypted: bool = False) -> None:
+    def __init__(
+        self, tokens: Mapping[Role, str], *, is_encrypted: bool = False, public_url: str | None = None
+    ) -> None:
         self._tokens = dict(tokens)
-        self.is_encrypted = is_encrypted
+        self._is_encrypted = is_encrypted
+        self.public_url = public_url
         self._lock = threading.Lock()
         # By role: however many look on, who operates stays known.
         self._sessions: dict[Role, OrderedDict[str, None]] = {role: OrderedDict() for role in Role}
 
     @classmethod
-    def with_new_tokens(cls, *, is_encrypted: bool = False) -> Self:
+    def with_new_tokens(cls, *, is_encrypted: bool = False, public_url: str | None = None) -> Self:
         """Return one whose tokens nobody knows yet."""
-        return cls({role: token_urlsafe(24) for role in Role}, is_encrypted=is_encrypted)
+        tokens = {role: token_urlsafe(24) for role in Role}
+        return cls(tokens, is_encrypted=is_encrypted, public_url=public_url)
 
     @property
     def scheme(self) -> str:
-        """How addresses of the server begin."""
-        return "https" if self.is_encrypted else "http"
+        """How addresses begin where the server listens."""
+        return "https" if self._is_encrypted else "http"
+
+    @property
+    def is_reached_over_tls(self) -> bool:
+        """Whether browsers speak to it, or to the proxy in front of it, over TLS."""
+        return (self.public_url or f"{self.scheme}:").startswith("https:")
 
     def token_of(self, role: Role) -> str:
         """Return the token of a role."""

@@ -202,7 +202,7 @@ def create_app(
         app.add_middleware(ClientLimits)
         app.add_middleware(SignIn, access=access)
         app.add_middleware(Audited, log=app.state.audit)
-        app.add_middleware(OwnPagesOnly, scheme=access.scheme, is_named_at_will=True)
+        app.add_middleware(OwnPagesOnly, scheme=access.scheme, is_named_at_will=True, public_url=access.public_url)
     now = app.state.devices.order.next
     app.add_middleware(Answered, now=now, connections=app.state.connections)
     app.add_middleware(RequestNumbering, now=now)

@@ -42,12 +42,15 @@ class OwnPagesOnly:
     """Refuses every request and WebSocket that a page from elsewhere sends, or that names a host that isn't ours.
 
     scheme: how the server's own address begins. is_named_at_will: by any name of a host, as who asks has to be known
-    anyway; else by those of the loopback only.
+    anyway; else by those of the loopback only. public_url: of a proxy in front of it, whose pages are ours.
     """
 
-    def __init__(self, app: ASGIApp, *, scheme: str = "http", is_named_at_will: bool = False) -> None:
+    def __init__(
+        self, app: ASGIApp, *, scheme: str = "http", is_named_at_will: bool = False, public_url: str | None = None
+    ) -> None:
         self.app = app
         self._scheme = scheme
+        self._public_url = public_url
         self._hosts = _ANY_HOST if is_named_at_will else _HOST
         self._allowed = "the name of one host" if is_named_at_will else HOSTS
 
@@ -65,12 +68,19 @@ class OwnPagesOnly:
         hosts, origins, sites = (headers.getlist(name) for name in ("host", "origin", "sec-fetch-site"))
         if len(hosts) != 1 or not _is_host(self._hosts, hosts[0]):
             return f"The Host header is {_told(hosts)}; allowed: {self._allowed}."
-        own = f"{self._scheme}://{hosts[0]}".lower()
-        if origins and [origin.lower() for origin in origins] != [own]:
-            return f"The Origin header is {_told(origins)}; allowed: {own}, or none."
+        own = self._own_origins(hosts[0].lower())
+        if origins and [origin.lower() for origin in origins] not in [[each] for each in own]:
+            return f"The Origin header is {_told(origins)}; allowed: {' or '.join(own)}, or none."
         if any(site not in OWN_SITES for site in sites) and not _opens_a_page(scope, headers):
             return f"The Sec-Fetch-Site header is {_told(sites)}; allowed: {' or '.join(OWN_SITES)}."
         return None
+
+    def _own_origins(self, host: str) -> list[str]:
+        """Return where our pages come from. A proxy may pass the name on that it is asked by, or name us by our own."""
+        if self._public_url is None:
+            return [f"{self._scheme}://{host}"]
+        is_passed_on = host == self._public_url.partition("://")[2]
+        return [self._public_url] if is_passed_on else [f"{self._scheme}://{host}", self._public_url]
 
 
 def with_policy(scope: Scope, send: Send) -> Send:

@@ -98,9 +98,8 @@ class SignIn:
             # A link to look on, wherever it was found, takes nothing from who operates.
             return response
         session = self._access.begin_session(role)
-        response.set_cookie(
-            cookie_of(scope), session, httponly=True, samesite="lax", secure=self._access.is_encrypted, path="/"
-        )
+        is_secure = self._access.is_reached_over_tls
+        response.set_cookie(cookie_of(scope), session, httponly=True, samesite="lax", secure=is_secure, path="/")
         return response
 
 
