@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import logging
 import sqlite3
+import threading
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -15,7 +17,9 @@ from starlette.testclient import TestClient
 from controllers.grbl.emulator import GrblOnACable
 from designs import document
 from http_api.families import DEVICES, connected, error_of, ok
+from stepramp.http_api.lanes import LIBRARY as LIBRARY_LANE
 from stepramp.library import database
+from waiting import until
 
 LIBRARY = "/api/v1/library"
 TYPE = {"content-type": "application/octet-stream"}
@@ -83,6 +87,20 @@ def test_a_push_waits_for_no_library_and_is_written_once_that_is_back(
             assert pushes(client) == []
         assert "waits for the library, 1 so far" in caplog.text
     assert [each["mode"] for each in pushes(client)] == ["keep"]
+
+
+def test_nothing_else_waits_for_a_history_that_waits_for_its_database(client: TestClient) -> None:
+    may_end = threading.Event()
+    client.app.state.history_keeper._later(may_end.wait)  # type: ignore[attr-defined]
+    with ThreadPoolExecutor(50) as askers:
+        asking = [askers.submit(client.get, f"{LIBRARY}/devices") for _ in range(50)]
+        try:
+            until(lambda: LIBRARY_LANE._pool._work_queue.qsize() == 49)
+            assert client.get("/").status_code == 200
+            assert not any(each.done() for each in asking)
+        finally:
+            may_end.set()
+        assert {each.result().status_code for each in asking} == {200}
 
 
 def test_records_are_kept_with_their_design(client: TestClient) -> None:

@@ -2,13 +2,16 @@
 
 import threading
 import warnings
+from collections.abc import Callable, Iterator
 from importlib import import_module
+from inspect import iscoroutinefunction
 from pkgutil import iter_modules
 from types import ModuleType
 from typing import Any, get_args
 
 import pytest
 from fastapi import APIRouter
+from fastapi.dependencies.models import Dependant
 from fastapi.routing import APIRoute
 from pydantic import BaseModel
 from starlette.testclient import TestClient
@@ -44,6 +47,21 @@ def test_every_route_answers_a_model_but_those_for_files() -> None:
         models = get_args(route.response_model) or (route.response_model,)
         answers = all(isinstance(model, type) and issubclass(model, (Answer, Document)) for model in models)
         assert answers != (route.path in FILES), route.path
+
+
+def calls_of(dependant: Dependant) -> Iterator[Callable[..., Any]]:
+    for each in dependant.dependencies:
+        assert each.call is not None
+        yield each.call
+        yield from calls_of(each)
+
+
+def test_no_dependency_waits_for_a_thread_of_those_that_read_the_page() -> None:
+    routers = [module.router for module in MODULES if hasattr(module, "router")]
+    dependants = [each.dependant for router in routers for each in router.routes if isinstance(each, APIRoute)]
+    calls = {each for dependant in dependants for each in calls_of(dependant)}
+    assert len(calls) > 10
+    assert [each.__name__ for each in calls if not iscoroutinefunction(each)] == []
 
 
 def test_models_lie_beside_the_routes_that_they_are_of() -> None:

@@ -32,14 +32,14 @@ class HistoryKeeper:
     """Notes devices and pushes, one after the other. What can't be written waits for the next one. From any thread."""
 
     def __init__(self, history: History) -> None:
-        self.history = history
+        self._history = history
         self._waiting: deque[Callable[[], object]] = deque(maxlen=MOST_WAITING)
         self._pool = ThreadPoolExecutor(1, "history")
 
     def note_device(self, device: Device) -> None:
         """Have it noted that a device is there, unless it is the virtual one."""
         if not _is_virtual(device):
-            self._later(partial(self.history.note_device, _seen(device)))
+            self._later(partial(self._history.note_device, _seen(device)))
 
     @contextmanager
     def noting(
@@ -65,12 +65,15 @@ class HistoryKeeper:
                     trouble,
                     device.view.backup,
                 )
-                self._later(partial(self.history.note_push, push))
+                self._later(partial(self._history.note_push, push))
 
-    def settle(self) -> None:
-        """Wait until what was noted is written, or can't be."""
+    def settled(self) -> History:
+        """Return the history once what was noted is written, or can't be."""
+        writing = self._pool.submit(self._write)
         with suppress(TimeoutError):
-            self._pool.submit(self._write).result(SETTLED_S)
+            writing.result(SETTLED_S)
+        writing.cancel()
+        return self._history
 
     def close(self) -> None:
         """Write what still waits, if that can be done."""

@@ -38,17 +38,18 @@ _OTHERS: dict[int | str, dict[str, Any]] = {
 router = APIRouter(prefix="/library", tags=["library"], route_class=JsonRoute, responses=_OTHERS)
 
 
-def _library(request: Request) -> Library:
+# Coroutines: a dependency that is none would wait for a thread of those that read the page's files.
+async def _library(request: Request) -> Library:
     library: Library = request.app.state.library
     return library
 
 
-def _records(request: Request) -> Records:
+async def _records(request: Request) -> Records:
     records: Records = request.app.state.records
     return records
 
 
-def _version(if_match: Annotated[str | None, Header(description="The ETag that the design had")] = None) -> int:
+async def _version(if_match: Annotated[str | None, Header(description="The ETag that the design had")] = None) -> int:
     """Return the version that a change is of; Rejected without one."""
     match = re.fullmatch(r'"([1-9][0-9]{0,8})"', if_match or "")
     if match is None:
@@ -65,11 +66,11 @@ def _revision(field: str, text: str) -> int:
 _A_NUMBER = Path(description="Which revision, counted from 1", json_schema_extra={"type": "integer", "minimum": 1})
 
 
-def _number(number: Annotated[str, _A_NUMBER]) -> int:
+async def _number(number: Annotated[str, _A_NUMBER]) -> int:
     return _revision("number", number)
 
 
-def _other(other: Annotated[str, _A_NUMBER]) -> int:
+async def _other(other: Annotated[str, _A_NUMBER]) -> int:
     return _revision("other", other)
 
 
