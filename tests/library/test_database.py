@@ -16,7 +16,7 @@ from alembic.script import ScriptDirectory
 
 from designs import design
 from stepramp.errors import Unavailable
-from stepramp.library import database
+from stepramp.library import database as databases
 from stepramp.library.database import FILE_NAME, Database
 from stepramp.library.library import About, Library
 from stepramp.library.schema import METADATA
@@ -84,7 +84,7 @@ def test_a_kill_loses_nothing_that_was_acknowledged(tmp_path: Path, saves: int) 
 
 
 def test_a_locked_database_is_said_and_used_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(database, "LOCKED_S", 0.01)
+    monkeypatch.setattr(databases, "LOCKED_S", 0.01)
     library = Library(Database(tmp_path))
     kept = library.add(design(), About("Lift"))
     with closing(sqlite3.connect(tmp_path / FILE_NAME, isolation_level=None)) as other:
@@ -134,9 +134,9 @@ def test_a_copy_is_kept_before_the_tables_change(tmp_path: Path, monkeypatch: py
     data = tmp_path / "data"
     kept = Library(Database(data)).add(design(), About("Lift"))
     newer = tmp_path / "newer"
-    shutil.copytree(database._SCRIPTS.dir, newer)
+    shutil.copytree(databases._SCRIPTS.dir, newer)
     (newer / "versions" / "v0003_more.py").write_text(NEWER)
-    monkeypatch.setattr(database, "_SCRIPTS", ScriptDirectory(str(newer)))
+    monkeypatch.setattr(databases, "_SCRIPTS", ScriptDirectory(str(newer)))
     assert Library(Database(data)).get(kept.id)[0] == kept
     [copy] = data.glob("library-*.sqlite3")
     for path, tables in ((copy, 0), (data / FILE_NAME, 1)):
@@ -149,10 +149,10 @@ def test_tables_that_cannot_be_changed_stay_as_they_were(tmp_path: Path, monkeyp
     data = tmp_path / "data"
     kept = Library(Database(data)).add(design(), About("Lift"))
     newer = tmp_path / "newer"
-    shutil.copytree(database._SCRIPTS.dir, newer)
+    shutil.copytree(databases._SCRIPTS.dir, newer)
     (newer / "versions" / "v0003_more.py").write_text(NEWER + '    op.execute("no SQL")\n')
     with monkeypatch.context() as patch:
-        patch.setattr(database, "_SCRIPTS", ScriptDirectory(str(newer)))
+        patch.setattr(databases, "_SCRIPTS", ScriptDirectory(str(newer)))
         with pytest.raises(Unavailable, match="syntax error"):
             Library(Database(data)).search()
     assert Library(Database(data)).get(kept.id)[0] == kept
@@ -179,3 +179,39 @@ def test_a_library_of_a_newer_version_is_left_alone(tmp_path: Path) -> None:
 def test_a_database_that_is_not_there_is_said(tmp_path: Path, url: str, told: str) -> None:
     with pytest.raises(Unavailable, match=told):
         Library(Database(tmp_path, url)).search()
+
+
+def ask_while_it_stands_still(database: Database) -> None:
+    with database.writing() as connection:
+        process = connection.exec_driver_sql("SELECT pg_backend_pid()").scalar_one()
+        os.kill(process, signal.SIGSTOP)
+        try:
+            connection.exec_driver_sql("SELECT 1")
+        finally:
+            os.kill(process, signal.SIGCONT)
+
+
+@pytest.mark.parametrize("url", ["postgresql"], indirect=True)
+def test_a_database_that_stands_still_is_said_and_used_again(
+    database: Database, library: Library, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from stepramp.library import postgresql
+
+    monkeypatch.setattr(postgresql, "SILENT_S", 0.2)
+    kept = library.add(design(), About("Lift"))
+    with pytest.raises(Unavailable, match=r"the database has not answered for 0.2 s\): nothing was saved"):
+        ask_while_it_stands_still(database)
+    assert library.get(kept.id)[0] == kept
+
+
+@pytest.mark.parametrize("url", ["postgresql"], indirect=True)
+def test_a_statement_that_takes_too_long_is_ended(url: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    from stepramp.library import postgresql
+
+    monkeypatch.setattr(postgresql, "STATEMENT_S", 0.1)
+    with (
+        closing(Database(tmp_path, url)) as slow,
+        pytest.raises(Unavailable, match="statement timeout"),
+        slow.reading() as connection,
+    ):
+        connection.exec_driver_sql("SELECT pg_sleep(60)")

@@ -23,7 +23,7 @@ from stepramp.errors import Unavailable
 URL_VARIABLE = "STEPRAMP_DATABASE_URL"
 FILE_NAME = "library.sqlite3"
 LOCKED_S = 5.0
-"""So long another program's writing is waited for, and a server's answer."""
+"""So long another program's writing is waited for, and a connection to a server."""
 
 _SCRIPTS = ScriptDirectory(str(Path(__file__).parent / "migrations"))
 
@@ -117,11 +117,9 @@ def _named(url: str) -> Engine:
         given = make_url(url)
         if given.drivername not in ("postgresql", "postgresql+psycopg"):
             raise Unavailable(f"{URL_VARIABLE} begins with {given.drivername}; allowed: postgresql://…")
-        return create_engine(
-            given.set(drivername="postgresql+psycopg"),
-            pool_pre_ping=True,
-            connect_args={"connect_timeout": int(LOCKED_S), "options": f"-c lock_timeout={LOCKED_S:g}s"},
-        )
+        from stepramp.library.postgresql import engine_of  # noqa: PLC0415  # its package may not be there
+
+        return engine_of(given, LOCKED_S)
     except ArgumentError:
         raise Unavailable(f"{URL_VARIABLE} is no URL; allowed: postgresql://user@host/name") from None
     except (ImportError, NoSuchModuleError):
