@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import sqlite3
+import tempfile
 import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
+from starlette.types import Message
 
 from controllers.grbl.emulator import GrblOnACable
 from designs import document
+from event_loop import run
 from http_api.families import DEVICES, connected, error_of, ok
 from stepramp.http_api.lanes import LIBRARY as LIBRARY_LANE
+from stepramp.http_api.library_file import library_as_file
 from stepramp.library import database
 from waiting import until
 
@@ -115,11 +121,55 @@ def test_records_are_kept_with_their_design(client: TestClient) -> None:
     error_of(client.get(f"{place}/none"), 404)
 
 
-def test_the_library_as_a_file_and_back(client: TestClient, cable: GrblOnACable) -> None:
+def test_a_file_that_is_given_up_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    begun, may_go_on = threading.Event(), threading.Event()
+
+    def lines() -> Iterator[bytes]:
+        begun.set()
+        may_go_on.wait(60)
+        yield b"{}"
+
+    async def work() -> None:
+        state = SimpleNamespace(whole_library=SimpleNamespace(lines=lines))
+        request: Any = SimpleNamespace(app=SimpleNamespace(state=state))
+        asking = asyncio.ensure_future(library_as_file(request))
+        await asyncio.to_thread(begun.wait, 60)
+        asking.cancel()
+        may_go_on.set()
+        with pytest.raises(asyncio.CancelledError):
+            await asking
+        await LIBRARY_LANE.run(lambda: None)
+        assert list(tmp_path.iterdir()) == []
+        # What nobody has come to take is as good as given up.
+        response = await library_as_file(request)
+        with pytest.raises(OSError, match="gone"):
+            await response({"type": "http", "method": "GET", "headers": []}, nothing_comes, nobody_takes)
+        assert list(tmp_path.iterdir()) == []
+
+    run(work())
+
+
+async def nothing_comes() -> Message:
+    await asyncio.Event().wait()
+    raise AssertionError
+
+
+async def nobody_takes(_: Message) -> None:
+    raise OSError("gone")
+
+
+def test_the_library_as_a_file_and_back(
+    client: TestClient, cable: GrblOnACable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "temporary").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
     ok(client.post(f"{LIBRARY}/designs", json={"design": document(), "name": "Lift"}))
     ok(client.post(f"{connected(client, cable.port, 'grbl')}/push", json={"design": document()}))
     assert len(pushes(client)) == 1
     told = client.get(f"{LIBRARY}/file")
+    assert int(told.headers["content-length"]) == len(told.content)
+    assert list((tmp_path / "temporary").iterdir()) == []
     assert 'filename="stepramp-library.jsonl"' in told.headers["content-disposition"]
     assert ok(client.post(f"{LIBRARY}/import", content=told.content, headers=TYPE)) == {
         "designs": 0, "revisions": 0, "devices": 0, "pushes": 0, "records": 0, "there_already": 3, "copies": [],

@@ -2,12 +2,12 @@
 
 import tempfile
 from functools import partial
-from pathlib import Path
-from typing import Any
+from os import SEEK_END
+from typing import Any, BinaryIO
 
 from fastapi import APIRouter, Request
-from starlette.background import BackgroundTask
-from starlette.responses import FileResponse
+from starlette.responses import StreamingResponse
+from starlette.types import Receive, Scope, Send
 
 from stepramp.http_api.bodies import FILE_TYPE, MOST_FILE_BYTES, OF_FILES, FileRoute, read_file_body
 from stepramp.http_api.lanes import LIBRARY
@@ -17,6 +17,7 @@ from stepramp.library.whole import Whole
 router = APIRouter(prefix="/library", tags=["library"], route_class=FileRoute)
 
 NAME = "stepramp-library.jsonl"
+PIECE_BYTES = 65_536
 _FILE: dict[str, Any] = {
     "required": True,
     "description": f"The file, of up to {MOST_FILE_BYTES:,} bytes",
@@ -32,11 +33,31 @@ def _whole(request: Request) -> Whole:
     return whole
 
 
-@router.get("/file", response_class=FileResponse, responses=_AS_FILE)
-async def library_as_file(request: Request) -> FileResponse:
+class _Copy(StreamingResponse):
+    """Sends a file without a name, which is gone once it is closed: however this or the server ends, nothing stays."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        size = file.seek(0, SEEK_END)
+        file.seek(0)
+        self._file = file
+        headers = {"content-length": str(size), "content-disposition": f'attachment; filename="{NAME}"'}
+        super().__init__(iter(partial(file.read, PIECE_BYTES), b""), headers=headers, media_type=FILE_TYPE)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        with self._file:
+            await super().__call__(scope, receive, send)
+
+
+@router.get("/file", response_class=StreamingResponse, responses=_AS_FILE)
+async def library_as_file(request: Request) -> StreamingResponse:
     """Return all of the library as one file: designs with revisions and records, devices, and pushes."""
-    file = await LIBRARY.run(partial(_written, _whole(request)))
-    return FileResponse(file, filename=NAME, media_type=FILE_TYPE, background=BackgroundTask(file.unlink))
+    file: BinaryIO = tempfile.TemporaryFile()  # noqa: SIM115  # closed once it is sent
+    try:
+        await LIBRARY.run(lambda: file.writelines(_whole(request).lines()))
+    except BaseException:
+        file.close()  # Also when whoever asked has gone: the writing ends by it.
+        raise
+    return _Copy(file)
 
 
 @router.post("/import", responses=OF_FILES, openapi_extra={"requestBody": _FILE})
@@ -47,16 +68,6 @@ async def add_file(request: Request) -> ImportedAnswer:
     """
     parts = await read_file_body(request)
     return await LIBRARY.run(partial(_added, _whole(request), parts))
-
-
-def _written(whole: Whole) -> Path:
-    with tempfile.NamedTemporaryFile("wb", prefix="stepramp-", delete=False) as file:
-        try:
-            file.writelines(whole.lines())
-        except BaseException:
-            Path(file.name).unlink()
-            raise
-    return Path(file.name)
 
 
 def _added(whole: Whole, parts: list[bytes]) -> ImportedAnswer:
