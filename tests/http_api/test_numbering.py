@@ -8,6 +8,7 @@ import json
 import socket
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager
+from functools import partial
 
 import pytest
 import uvicorn
@@ -318,6 +319,38 @@ def test_what_is_being_accepted_when_a_stop_is_answered_is_as_old_as_the_stop(tu
                 assert numbered.numbers["/anew"] > stopped
             await numbered.until(lambda: "/move" in numbered.numbers)
             assert numbered.numbers["/move"] < stopped
+
+    run(work())
+
+
+@pytest.mark.parametrize("is_answered_first", [False, True])
+def test_what_came_with_the_end_of_a_handshake_when_a_stop_is_answered_is_as_old_as_the_stop(
+    is_answered_first: bool,
+) -> None:
+    """It is read, with that, before the connection counts as made; before the hello nobody sends a request."""
+
+    async def work() -> None:
+        numbered = Numbered()
+        config = uvicorn.Config(numbered.app, interface="asgi3", log_level="critical")
+        config.load()
+        config.ssl_certfile = "a certificate"  # It says no more than that connections are encrypted.
+        async with listening(numbered):
+            before = numbered.now()
+            stop = partial(numbered.connections.make_unread_as_old_as, before)
+            if is_answered_first:
+                stop()
+            protocol = numbering(numbered.now, numbered.connections)(
+                config=config, server_state=ServerState(), app_state={}
+            )
+            if not is_answered_first:
+                stop()
+            here, there = socket.socketpair()
+            await asyncio.get_running_loop().connect_accepted_socket(lambda: protocol, there)
+            here.sendall(get("/move"))
+            await numbered.until(lambda: "/move" in numbered.numbers)
+            assert (numbered.numbers["/move"] == before) is not is_answered_first
+            protocol.transport.close()
+            here.close()
 
     run(work())
 
