@@ -22,6 +22,7 @@ ENV NUMBA_CACHE_DIR=/home/stepramp/.cache/numba STEPRAMP_DATA=/data
 USER 1000
 VOLUME /data
 EXPOSE 8000
+# It asks wherever the server listens, over TLS if it has a certificate: the note that it leaves in /data tells.
 HEALTHCHECK --interval=30s --timeout=5s --start-period=20s \
-  CMD [".venv/bin/python", "-c", "import urllib.request as r; r.urlopen('http://127.0.0.1:8000/api/v1/health', timeout=4)"]
+  CMD [".venv/bin/python", "-c", "from stepramp.client.health import are_well; raise SystemExit(not are_well())"]
 ENTRYPOINT [".venv/bin/stepramp", "serve", "--no-browser"]

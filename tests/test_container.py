@@ -101,8 +101,10 @@ def container(image: Path, tmp_path: Path) -> Iterator[tuple[Path, Path, int]]:
 def test_its_server_is_healthy_and_keeps_what_it_has_in_the_volume(container: tuple[Path, Path, int]) -> None:
     data, image, port = container
     [check] = steps("HEALTHCHECK")
-    words = [word.replace(":8000/", f":{port}/") for word in json.loads(check.partition("CMD ")[2])]
-    assert subprocess.run(words, cwd=image, check=False).returncode == 0
+    for folder, is_well in ((data, True), (data / "nobody's", False)):
+        environment = os.environ | {"STEPRAMP_DATA": str(folder)}
+        asked = subprocess.run(json.loads(check.partition("CMD ")[2]), cwd=image, env=environment, check=False)
+        assert (asked.returncode == 0) is is_well
     design = {"schema": "stepramp/2", "timer": {"frequency_hz": 2_000_000}, "move": {"steps": 500}} | {
         "ramp": {"slew_speed_steps_per_s": 1000, "acceleration_steps_per_s2": 5000}
     }

@@ -12,6 +12,7 @@ import pytest
 
 from event_loop import run
 from server_process import ServerProcess
+from stepramp.client.health import are_well
 from stepramp.command_line.main import main
 from stepramp.command_line.serving import free_port, port_number, public_url
 from stepramp.data_folder import FOLDER_VARIABLE
@@ -151,16 +152,25 @@ def test_it_is_spoken_to_over_tls_with_the_token_that_it_prints(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     require(*([] if shutil.which("openssl") else ["openssl"]))
-    cert, key = str(tmp_path / "cert.pem"), str(tmp_path / "key.pem")
-    subject = ["-subj", "/CN=localhost", "-addext", "subjectAltName=IP:127.0.0.1"]
-    command = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1", "-keyout", key, "-out", cert]
-    subprocess.run([*command, *subject], check=True, capture_output=True)
+    ca, ca_key, cert, key = (str(tmp_path / name) for name in ("ca.pem", "ca_key.pem", "cert.pem", "key.pem"))
+    command = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1"]
+    subprocess.run([*command, "-subj", "/CN=ca", "-keyout", ca_key, "-out", ca], check=True, capture_output=True)
+    subject = [
+        "-subj",
+        "/CN=localhost",
+        "-addext",
+        "subjectAltName=IP:127.0.0.1",
+        "-addext",
+        "basicConstraints=CA:FALSE",
+    ]
+    signed = [*command, *subject, "-CA", ca, "-CAkey", ca_key, "-keyout", key, "-out", cert]
+    subprocess.run(signed, check=True, capture_output=True)
     options = ["--require-token", "--certfile", cert, "--keyfile", key, "--data-folder", str(tmp_path / "data")]
     with ServerProcess(8800, *options) as server:
         assert server.process.stdout is not None
         assert server.address.scheme == "https"
         token = server.process.stdout.readline().split("token=")[1].strip()
-        context = ssl.create_default_context(cafile=cert)
+        context = ssl.create_default_context(cafile=ca)
         connection = http.client.HTTPSConnection("127.0.0.1", server.address.port, context=context, timeout=60)
         for headers, status in (({}, 401), ({"authorization": f"Bearer {token}"}, 200)):
             connection.request("GET", "/api/v1/access", headers=headers)
@@ -169,7 +179,7 @@ def test_it_is_spoken_to_over_tls_with_the_token_that_it_prints(
         connection.close()
         # Commands of its user know its token and its certificate, by its note; who has another folder knows neither.
         monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "data"))
-        assert (main(["devices"]), main(["stop"])) == (0, 0)
+        assert (main(["devices"]), main(["stop"]), are_well()) == (0, 0, True)
         monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
         assert main(["devices", "--server", f"http://127.0.0.1:{server.address.port}"]) == 3
         server.process.terminate()
