@@ -13,7 +13,9 @@ from starlette.types import Message, Receive, Scope, Send
 
 from designs import document
 from event_loop import run
-from stepramp.http_api.idempotency import KEPT_S, MOST_KEPT, Idempotent
+from stepramp.http_api.access import CLIENT, Client, Role
+from stepramp.http_api.idempotency import KEPT_S, MOST_ANSWER_BYTES, MOST_KEPT, MOST_TOGETHER_BYTES, Idempotent
+from stepramp.http_api.request_numbers import RequestNumbering, number_of
 from waiting import until
 
 MOVE = "/api/v1/devices/1/move"
@@ -33,7 +35,11 @@ class Served:
         self.may_end: asyncio.Event | None = None
         self.begun = asyncio.Event()
         self.fails = False
-        self.app = Idempotent(self._serve, lambda: self.now_s)
+        self.numbers = count(1)
+        self.asked_at: list[int] = []
+        self.idempotent = Idempotent(self._serve, lambda: self.now_s)
+        self.app = RequestNumbering(self.idempotent, lambda: next(self.numbers))
+        self.more: dict[str, str] = {}
 
     async def _serve(self, scope: Scope, receive: Receive, send: Send) -> None:
         body, more = b"", True
@@ -44,18 +50,20 @@ class Served:
             body += message["body"]
             more = message.get("more_body", False)
         self.done.append(body)
+        self.asked_at.append(number_of(scope))
         self.begun.set()
         if self.may_end is not None:
             await self.may_end.wait()
         if self.fails:
             raise Mistake
-        await JSONResponse({"number": len(self.done)}, self.status)(scope, receive, send)
+        await JSONResponse({"number": len(self.done)} | self.more, self.status)(scope, receive, send)
 
     async def ask(
-        self, key: str | None = "k", body: bytes = b"{}", path: str = MOVE, method: str = "POST"
+        self, key: str | None = "k", body: bytes = b"{}", path: str = MOVE, method: str = "POST", client: str = ""
     ) -> tuple[int, bytes, dict[str, str]]:
         headers = [] if key is None else [(b"idempotency-key", key.encode())]
         scope = {"type": "http", "method": method, "path": path, "raw_path": path.encode(), "query_string": b""}
+        scope[CLIENT] = Client(client, Role.OPERATE) if client else None
         chunks = iter([body])
         sent: list[Message] = []
 
@@ -222,6 +230,92 @@ def test_the_newest_answers_are_kept_for_a_day() -> None:
         assert len(served.done) == MOST_KEPT + 3
 
     run(work())
+
+
+def test_a_client_with_many_keys_pushes_out_only_its_own() -> None:
+    async def work() -> None:
+        served = Served()
+        await served.ask("mine", client="me")
+        for number in range(MOST_KEPT + 1):
+            await served.ask(f"{number}", client="other")
+        await served.ask("mine", client="me")
+        assert len(served.done) == MOST_KEPT + 2
+        await served.ask("mine", client="other")
+        assert len(served.done) == MOST_KEPT + 3
+
+    run(work())
+
+
+def test_what_is_under_way_keeps_no_others_from_being_forgotten() -> None:
+    async def work() -> None:
+        served = Served()
+        served.may_end = asyncio.Event()
+        under_way = asyncio.ensure_future(served.ask("long"))
+        await served.begun.wait()
+        may_end, served.may_end = served.may_end, None
+        for number in range(MOST_KEPT + 10):
+            await served.ask(f"{number}")
+        assert sum(map(len, served.idempotent._asked.values())) == MOST_KEPT + 1
+        again = asyncio.ensure_future(served.ask("long"))
+        may_end.set()
+        assert (await again)[1] == (await under_way)[1]
+        assert len(served.done) == MOST_KEPT + 11
+
+    run(work())
+
+
+def test_of_answers_that_are_too_long_together_the_oldest_are_lost_but_not_that_they_were_done() -> None:
+    async def work() -> None:
+        served = Served()
+        served.more = {"more": "x" * (MOST_ANSWER_BYTES - 100)}
+        most = MOST_TOGETHER_BYTES // MOST_ANSWER_BYTES
+        for number in range(most + 2):
+            await served.ask(f"{number}")
+        status, body, _ = await served.ask("0")
+        assert (status, b"asked for before with the same key, and done" in body) == (409, True)
+        assert (await served.ask(f"{most + 1}"))[0] == 200
+        assert len(served.done) == most + 2
+        assert served.idempotent._answers_bytes <= MOST_TOGETHER_BYTES
+        served.now_s = KEPT_S + 1
+        served.more = {}
+        await served.ask("0")
+        assert served.idempotent._answers_bytes < 100
+
+    run(work())
+
+
+@pytest.mark.parametrize("status", [409, 422, 503])
+def test_what_was_refused_is_as_old_as_it_was_at_first_when_it_is_asked_again(status: int) -> None:
+    async def work() -> None:
+        served = Served()
+        served.status = status
+        await served.ask()
+        await served.ask("other")
+        await served.ask()
+        served.status = 200
+        assert (await served.ask())[0] == 200
+        assert served.asked_at == [1, 2, 1, 1]
+
+    run(work())
+
+
+def test_asked_again_after_a_stop_nothing_moves(client: TestClient) -> None:
+    path = f"/api/v1/devices/{client.post('/api/v1/devices', json={'port': 'sim://'}).json()['id']}"
+    stops = str(client.get(path).json()["stops"])
+    assert client.post(f"{path}/push", json={"design": document()}).status_code == 200
+    assert client.post(f"{path}/stop").status_code == 200
+    headers = {"Idempotency-Key": "k", "X-StepRamp-Stops": stops}
+    refused = client.post(f"{path}/move", json={"by_steps": 100}, headers=headers)
+    for again in ({"Idempotency-Key": "k"}, headers | {"X-StepRamp-Stops": str(client.get(path).json()["stops"])}):
+        told = client.post(f"{path}/move", json={"by_steps": 100}, headers=again)
+        assert (told.status_code, told.json()) == (refused.status_code, refused.json())
+    assert "A stop came first" in refused.json()["errors"][0]["message"]
+    # Refused for another reason before the stop, it was asked before it all the same.
+    early = {"Idempotency-Key": "early"}
+    assert client.post(f"{path}/move", json={"by_steps": 100, "axis": 7}, headers=early).status_code == 422
+    assert client.post(f"{path}/stop").status_code == 200
+    assert client.post(f"{path}/move", json={"by_steps": 100}, headers=early).status_code == 409
+    assert client.get(path).json()["position_steps"] == 0
 
 
 def test_a_move_is_made_once(client: TestClient) -> None:

@@ -13,6 +13,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from stepramp.errors import Refused, Rejected, Rejection, StepRampError
 from stepramp.http_api.door import is_stop
 from stepramp.http_api.errors import error_response
+from stepramp.http_api.request_numbers import as_old_as, decided_at
 from stepramp.http_api.sign_in import acts, client_of
 
 KEY_HEADER = "Idempotency-Key"
@@ -20,11 +21,13 @@ REPLAYED_HEADER = "Idempotent-Replayed"
 MOST_KEY = 200
 """Length of the longest key [characters]."""
 MOST_KEPT = 1000
-"""So many answers are kept, the newest ones."""
+"""So many keys of each client are kept, the newest ones."""
 KEPT_S = 24 * 3600.0
-"""So long an answer is kept [s]."""
+"""So long a key is kept [s]."""
 MOST_ANSWER_BYTES = 500_000
 """Of a longer answer only that there was one is kept."""
+MOST_TOGETHER_BYTES = 32_000_000
+"""Nor more is kept of the oldest ones, where the answers of all clients are longer together."""
 ALLOWED_KEY = f"1 to {MOST_KEY} visible ASCII characters, given once"
 OTHER_REQUEST = "a key of its own for each request: this one was given for another one, by method, address or body"
 NOT_KEPT = (
@@ -32,11 +35,13 @@ NOT_KEPT = (
 )
 
 
-@dataclass
+@dataclass(eq=False)
 class _Asked:
     """A request with a key, and what came of it."""
 
     request: tuple[str, str]
+    number: int
+    """When it was decided first, in the order of all that is asked and stopped."""
     ended: asyncio.Future[bool]
     """Whether it was done; False: it was refused, and may be asked again."""
     at_s: float
@@ -45,18 +50,33 @@ class _Asked:
     answer: list[Message] = field(default_factory=list)
     """As it was sent, where it is kept."""
 
+    @property
+    def was_refused(self) -> bool:
+        """Whether nothing was done."""
+        return self.ended.done() and not self.ended.result()
+
+    @property
+    def size_bytes(self) -> int:
+        """Size of the answer that is kept."""
+        return sum(len(message.get("body", b"")) for message in self.answer)
+
 
 class Idempotent:
     """Middleware for what changes something: a key in `Idempotency-Key` stands for one request of one client.
 
     Asked again with its key, a request waits for what came of the first one, and is answered the same. What was refused
-    may be asked again. A request with a key is done though its client leaves. Stops take no key: each is a stop.
+    may be asked again, and is as old then as it was at first: a stop since overtakes it. A request with a key is done
+    though its client leaves. Stops take no key: each is a stop.
     """
 
     def __init__(self, app: ASGIApp, now_s: Callable[[], float] = monotonic) -> None:
         self._app = app
         self._now_s = now_s
-        self._asked: OrderedDict[tuple[str, str], _Asked] = OrderedDict()
+        self._asked: dict[str, OrderedDict[str, _Asked]] = {}
+        """By client and key, the newest last."""
+        self._answered: OrderedDict[_Asked, None] = OrderedDict()
+        """Those of which the answer is kept."""
+        self._answers_bytes = 0
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass on what has no key, or one that is new; answer anything else."""
@@ -73,21 +93,25 @@ class Idempotent:
             await self._once(keys[0], scope, receive, send)
 
     async def _once(self, key: str, scope: Scope, receive: Receive, send: Send) -> None:
+        self._forget()
         client = client_of(scope)
-        name = ("" if client is None else client.name, key)
+        asked_before = self._asked.setdefault("" if client is None else client.name, OrderedDict())
         request = (scope["method"], scope["raw_path"].decode("latin-1") + "?" + scope["query_string"].decode("latin-1"))
-        while (before := self._of(name)) is not None:
+        while (before := asked_before.get(key)) is not None and not before.was_refused:
             if before.request != request:
                 await error_response(_of_another(key))(scope, receive, send)
                 return
             if await asyncio.shield(before.ended):
                 await _answer_again(before, key, scope, receive, send)
                 return
-        asked = _Asked(request, asyncio.get_running_loop().create_future(), self._now_s())
-        self._asked[name] = asked
+        if before is not None:
+            scope = as_old_as(scope, before.number)
+            del asked_before[key]
+        asked = _Asked(request, decided_at(scope), asyncio.get_running_loop().create_future(), self._now_s())
+        asked_before[key] = asked
         heard = _Hearing(receive)
         # It goes on when whoever asked leaves: asked again, it is told what came of it.
-        doing = asyncio.ensure_future(self._do(name, asked, scope, heard))
+        doing = asyncio.ensure_future(self._do(asked, scope, heard))
         try:
             answer = await asyncio.shield(doing)
         except asyncio.CancelledError:
@@ -96,17 +120,34 @@ class Idempotent:
         for message in answer:
             await send(message)
 
-    def _of(self, name: tuple[str, str]) -> _Asked | None:
-        """Return what was asked with a key, if that is kept; forget what is too old, or too much."""
-        while self._asked:
-            oldest, asked = next(iter(self._asked.items()))
-            is_kept = len(self._asked) <= MOST_KEPT and self._now_s() - asked.at_s <= KEPT_S
-            if is_kept or not asked.ended.done():
-                break
-            del self._asked[oldest]
-        return self._asked.get(name)
+    def _forget(self) -> None:
+        """Forget what is too old, or too much of one client; what is under way stays."""
+        since_s = self._now_s() - KEPT_S
+        for client, asked in list(self._asked.items()):
+            while (key := _oldest(asked)) is not None and (len(asked) > MOST_KEPT or asked[key].at_s < since_s):
+                self._let_go(asked.pop(key))
+            if not asked:
+                del self._asked[client]
 
-    async def _do(self, name: tuple[str, str], asked: _Asked, scope: Scope, heard: "_Hearing") -> list[Message]:
+    def _keep(self, asked: _Asked, answer: list[Message]) -> None:
+        """Keep an answer, in place of the oldest ones where it is too much."""
+        asked.answer = answer
+        if asked.size_bytes > MOST_ANSWER_BYTES:
+            asked.answer = []
+            return
+        self._answered[asked] = None
+        self._answers_bytes += asked.size_bytes
+        while self._answers_bytes > MOST_TOGETHER_BYTES:
+            self._let_go(next(iter(self._answered)))
+
+    def _let_go(self, asked: _Asked) -> None:
+        """Keep its answer no longer."""
+        if asked in self._answered:
+            del self._answered[asked]
+            self._answers_bytes -= asked.size_bytes
+            asked.answer = []
+
+    async def _do(self, asked: _Asked, scope: Scope, heard: "_Hearing") -> list[Message]:
         """Have it done; return its answer."""
         answer: list[Message] = []
 
@@ -117,12 +158,10 @@ class Idempotent:
         try:
             await self._app(scope, heard.receive, send)
             is_done = not _is_refusal(answer)
-            if sum(len(message.get("body", b"")) for message in answer) <= MOST_ANSWER_BYTES:
-                asked.answer = answer
+            if is_done:
+                self._keep(asked, answer)
         finally:
             asked.body = heard.digest
-            if not is_done:
-                del self._asked[name]
             asked.ended.set_result(is_done)
         return answer
 
@@ -163,6 +202,11 @@ class _Hearing:
         while self.digest is None and (await self.receive())["type"] == "http.request":
             pass
         return self.digest
+
+
+def _oldest(asked: OrderedDict[str, _Asked]) -> str | None:
+    """Return the key that was given first of those with which nothing is under way."""
+    return next((key for key, each in asked.items() if each.ended.done()), None)
 
 
 def _is_refusal(answer: list[Message]) -> bool:

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import h11
 from fastapi import Depends, Header
+from starlette.datastructures import Headers
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
@@ -102,7 +103,7 @@ async def latest_known_number(
     arrived = arrived_at(connection)
     if stops is None:
         return arrived
-    if not (stops.isascii() and stops.isdigit() and len(stops) <= MOST_DIGITS):
+    if not _is_number(stops):
         raise Rejected([Rejection(STOPS_HEADER, stops, "a whole number: the `stops` that the device last told")])
     return as_known(arrived, int(stops), devices.order, STOPS_HEADER)
 
@@ -124,6 +125,21 @@ def number_of(scope: Scope) -> int:
     """Return the same of a request's or WebSocket's scope."""
     arrived: int = scope[_REQUEST_NUMBER]
     return arrived
+
+
+def decided_at(scope: Scope) -> int:
+    """Return when what a request asks for was decided: as it arrived, or when its sender last heard of the device."""
+    told = [int(stops) for stops in Headers(scope=scope).getlist(STOPS_HEADER) if _is_number(stops)]
+    return min([number_of(scope), *told])
+
+
+def as_old_as(scope: Scope, request_number: int) -> Scope:
+    """Return a request's scope as one that was asked for then, unless it is older."""
+    return {**scope, _REQUEST_NUMBER: min(number_of(scope), request_number)}
+
+
+def _is_number(stops: str) -> bool:
+    return stops.isascii() and stops.isdigit() and len(stops) <= MOST_DIGITS
 
 
 RequestNumber = Annotated[int, Depends(latest_known_number)]
