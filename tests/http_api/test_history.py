@@ -10,6 +10,7 @@ import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -107,6 +108,26 @@ def test_nothing_else_waits_for_a_history_that_waits_for_its_database(client: Te
         finally:
             may_end.set()
         assert {each.result().status_code for each in asking} == {200}
+
+
+def test_an_entry_that_can_never_be_written_keeps_no_other_waiting(
+    client: TestClient, cable: GrblOnACable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:  # fmt: skip
+    monkeypatch.setattr(database, "LOCKED_S", 0.01)
+    route = connected(client, cable.port, "grbl")
+    assert pushes(client) == []
+    keeper = client.app.state.history_keeper  # type: ignore[attr-defined]
+    with closing(sqlite3.connect(tmp_path / database.FILE_NAME, isolation_level=None)) as other:
+        other.execute("BEGIN IMMEDIATE")
+        for odd in ("\ud800", None):
+            device = SimpleNamespace(id="1" * 32, family=odd, identity="", name="", port="")
+            keeper._later(partial(keeper._history.note_device, device))
+        ok(client.post(f"{route}/push", json={"design": document()}))
+    with caplog.at_level(logging.ERROR):
+        assert len(pushes(client)) == 1
+    assert caplog.text.count("An entry of the history of pushes is lost.") == 2
+    assert "The library can't keep this" in caplog.text
 
 
 def test_records_are_kept_with_their_design(client: TestClient) -> None:

@@ -1,11 +1,14 @@
 """The library over HTTP: ETags, and what is answered where it can't be used."""
 
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 from starlette.testclient import TestClient
 
 from designs import document
+from stepramp.library.database import FILE_NAME
 
 DESIGNS = "/api/v1/library/designs"
 
@@ -43,6 +46,16 @@ def test_a_change_says_of_which_version_it_is(client: TestClient) -> None:
         [error] = refused.json()["errors"]
         assert (refused.status_code, error["field"], error["value"]) == (422, "If-Match", given)
         assert error["allowed"].startswith("the ETag of the design")
+
+
+def test_a_design_of_many_changes_is_changed_on(client: TestClient, tmp_path: Path) -> None:
+    place = f"{DESIGNS}/{client.post(DESIGNS, json={'design': document()}).json()['id']}"
+    with closing(sqlite3.connect(tmp_path / FILE_NAME)) as file, file:
+        file.execute("UPDATE designs SET version = 2000000000")
+    late = client.put(place, json={"name": "Lift"}, headers={"If-Match": '"9999999999"'})
+    assert late.status_code == 412
+    named = client.put(place, json={"name": "Lift"}, headers={"If-Match": client.get(place).headers["etag"]})
+    assert (named.status_code, named.headers["etag"]) == (200, '"2000000001"')
 
 
 def test_what_is_not_there_is_404(client: TestClient) -> None:

@@ -6,8 +6,10 @@ import signal
 import sqlite3
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from pathlib import Path
+from time import sleep
 
 import pytest
 from alembic.autogenerate import compare_metadata
@@ -15,10 +17,11 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
 from designs import design
-from stepramp.errors import Unavailable
+from stepramp.errors import Outdated, Unavailable
 from stepramp.library import database as databases
 from stepramp.library.database import FILE_NAME, Database
-from stepramp.library.library import About, Library
+from stepramp.library.history import Device, History, _see
+from stepramp.library.library import About, Library, _count_change
 from stepramp.library.schema import METADATA
 
 SAVES = """
@@ -202,6 +205,34 @@ def test_a_database_that_stands_still_is_said_and_used_again(
     with pytest.raises(Unavailable, match=r"the database has not answered for 0.2 s\): nothing was saved"):
         ask_while_it_stands_still(database)
     assert library.get(kept.id)[0] == kept
+
+
+def test_two_servers_that_begin_at_once_make_the_tables_once(tmp_path: Path, url: str | None) -> None:
+    with (
+        ThreadPoolExecutor(4) as servers,
+        closing(Database(tmp_path, url)) as one,
+        closing(Database(tmp_path, url)) as other,
+    ):
+        assert list(servers.map(lambda each: Library(each).search(), [one, other])) == [(0, []), (0, [])]
+
+
+def test_one_server_writes_at_a_time(tmp_path: Path, url: str | None, database: Database) -> None:
+    device = Device("grbl", "A1", "CH340", "/dev/ttyUSB0")
+    kept = Library(database).add(design(), About("Lift"))
+    with ThreadPoolExecutor(2) as pool, closing(Database(tmp_path, url)) as other:
+        Library(other).search()
+        with database.writing() as connection:
+            noting = pool.submit(History(other).note_device, device)
+            saving = pool.submit(Library(other).save, kept.id, 1, design(move__steps=9))
+            sleep(0.2)
+            assert not noting.done()
+            assert not saving.done()
+            _see(connection, device)
+            _count_change(connection, kept.id, 1)
+        noting.result()
+        with pytest.raises(Outdated, match="it is at 2"):
+            saving.result()
+        assert len(History(other).devices()) == 1
 
 
 @pytest.mark.parametrize("url", ["postgresql"], indirect=True)

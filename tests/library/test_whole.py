@@ -156,6 +156,7 @@ def changed(line: dict[str, Any], **values: object) -> dict[str, Any]:
         (lambda whole: whole.replace(b'"stepramp_library":1', b'"stepramp_library":2'), "of a newer StepRamp"),
         (lambda _: ended(DESIGN), "one with revisions after it"),
         (lambda _: ended(REVISION), "the id of the design before it"),
+        (lambda _: ended(changed(DESIGN, version=2_000_000_001), REVISION), "from 1 to 2,000,000,000"),
         (lambda _: ended(DESIGN, changed(REVISION, number=2)), "allowed: 1, as they are counted"),
         (lambda _: ended(DESIGN, REVISION, AXIS), "the id of a push before it"),
         (lambda _: ended(DESIGN, REVISION, PUSH), "the id of a device before it"),

@@ -39,7 +39,8 @@ _KEY = {
     "required": False,
     "schema": {"type": "string", "minLength": 1, "maxLength": 200, "pattern": "^[!-~]+$"},
     "description": f"What stands for this one request: {ALLOWED_KEY}. Asked again with it within a day, it is not done "
-    f"again, but answered as it was, with `{REPLAYED_HEADER}: true`; what was refused may be asked again, and moves nothing after a stop since",
+    f"again, but answered as it was, with `{REPLAYED_HEADER}: true`; what was refused may be asked again, and moves "
+    "nothing after a stop since",
 }
 
 

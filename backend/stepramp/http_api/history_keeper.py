@@ -11,6 +11,7 @@ from stepramp.design import Design
 from stepramp.devices.device import Device
 from stepramp.errors import Rejected, Unavailable
 from stepramp.http_api.devices_models import PushedAnswer
+from stepramp.library.database import NeverKept
 from stepramp.library.history import Device as SeenDevice
 from stepramp.library.history import History, Push
 from stepramp.link.protocol_sim import VIRTUAL_PORT
@@ -85,15 +86,19 @@ class HistoryKeeper:
 
     def _write(self, *entries: Callable[[], object]) -> None:
         self._waiting.extend(entries)
-        try:
-            while self._waiting:
-                self._waiting[0]()
-                self._waiting.popleft()
-        except Unavailable as error:
-            _logger.warning("The history of pushes waits for the library, %d so far. %s", len(self._waiting), error)
-        except Exception:
+        while self._waiting and self._is_settled(self._waiting[0]):
             self._waiting.popleft()
+
+    def _is_settled(self, entry: Callable[[], object]) -> bool:
+        """Write an entry; return whether it needn't wait: it is written, or never can be."""
+        try:
+            entry()
+        except Exception as error:
+            if isinstance(error, Unavailable) and not isinstance(error, NeverKept):
+                _logger.warning("The history of pushes waits for the library, %d so far. %s", len(self._waiting), error)
+                return False
             _logger.exception("An entry of the history of pushes is lost.")
+        return True
 
 
 def _is_virtual(device: Device) -> bool:

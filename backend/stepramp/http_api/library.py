@@ -51,7 +51,7 @@ async def _records(request: Request) -> Records:
 
 async def _version(if_match: Annotated[str | None, Header(description="The ETag that the design had")] = None) -> int:
     """Return the version that a change is of; Rejected without one."""
-    match = re.fullmatch(r'"([1-9][0-9]{0,8})"', if_match or "")
+    match = re.fullmatch(r'"([1-9][0-9]{0,9})"', if_match or "")
     if match is None:
         raise Rejected([Rejection("If-Match", if_match, 'the ETag of the design that the change is of, as "3"')])
     return int(match[1])

@@ -15,7 +15,7 @@ from alembic.migration import MigrationContext
 from alembic.runtime.environment import EnvironmentContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, Engine, create_engine, event, make_url
-from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
+from sqlalchemy.exc import ArgumentError, DataError, DBAPIError, IntegrityError, NoSuchModuleError
 from sqlalchemy.pool import NullPool
 
 from stepramp.errors import Unavailable
@@ -24,6 +24,11 @@ URL_VARIABLE = "STEPRAMP_DATABASE_URL"
 FILE_NAME = "library.sqlite3"
 LOCKED_S = 5.0
 """So long another program's writing is waited for, and a connection to a server."""
+
+
+class NeverKept(Unavailable):
+    """The database can be used, but keeps no such thing, nor would it later."""
+
 
 _SCRIPTS = ScriptDirectory(str(Path(__file__).parent / "migrations"))
 
@@ -48,7 +53,10 @@ class Database:
 
     @contextmanager
     def writing(self) -> Iterator[Connection]:
-        """Yield the same for writing. Once it is left without an exception, what was written outlasts a power cut."""
+        """Yield the same for writing, to one at a time.
+
+        Once it is left without an exception, what was written outlasts a power cut.
+        """
         with _unavailable(), self._opened().connect().execution_options(writes=True) as connection, connection.begin():
             yield connection
 
@@ -93,12 +101,13 @@ class Database:
             )
         if present is not None and self._url is None:
             self._copy()
+        # The transaction first: another server may be at it, and where it has been there is nothing left to do.
         with (
+            engine.connect().execution_options(writes=True) as connection,
+            connection.begin(),
             EnvironmentContext(
                 Config(), _SCRIPTS, fn=lambda rev, _: _SCRIPTS._upgrade_revs("head", rev)
             ) as environment,
-            engine.connect().execution_options(writes=True) as connection,
-            connection.begin(),
         ):
             environment.configure(connection=connection, transactional_ddl=True)
             environment.run_migrations()
@@ -143,6 +152,10 @@ def _unavailable() -> Iterator[None]:
     """Have whatever keeps the database from being used said in words."""
     try:
         yield
+    except (DataError, IntegrityError) as error:
+        raise NeverKept(
+            f"The library can't keep this ({' '.join(str(error.orig).split())}): nothing was saved."
+        ) from error
     except DBAPIError as error:
         reason = " ".join(str(error.orig).split())
     except (OSError, sqlite3.Error) as error:

@@ -154,15 +154,15 @@ def _add_revision(connection: Connection, design_id: str, number: int, content: 
 
 
 def _count_change(connection: Connection, design_id: str, version: int) -> None:
-    """Count a change made on a version; of two at the same time the database lets only the first."""
-    kept_of(connection, design_id)
-    known = update(DESIGNS).where(DESIGNS.c.id == design_id, DESIGNS.c.version == version)
-    if connection.execute(known.values(version=version + 1, saved_at=now())).rowcount == 0:
-        present = kept_of(connection, design_id)  # On PostgreSQL somebody else's change may have come in between.
+    """Count a change made on a version; who writes is alone, so that of two only the first is let."""
+    present = kept_of(connection, design_id)
+    if present.version != version:
         raise Outdated(
             f"{shown(present.name)} was changed by somebody else meanwhile: you know its version {version}, "
             f"it is at {present.version}. Nothing was overwritten; look at it, and save again."
         )
+    counted = update(DESIGNS).where(DESIGNS.c.id == design_id)
+    connection.execute(counted.values(version=version + 1, saved_at=now()))
 
 
 def kept_of(connection: Connection, design_id: str) -> Kept:

@@ -8,12 +8,14 @@ from typing import Any
 
 import psycopg
 from psycopg.abc import PQGen
-from sqlalchemy import URL, Engine, create_engine, event
+from sqlalchemy import URL, Connection, Engine, create_engine, event
 
 STATEMENT_S = 8.0
 """So long a statement may take; then the database itself ends it."""
 SILENT_S = 9.0
 """So long a database that says nothing at all is waited for: longer than it may take over a statement."""
+WRITING = 0x57E9_4A3B
+"""What tells the lock of who writes apart from others of the same database."""
 
 
 def engine_of(url: URL, locked_s: float) -> Engine:
@@ -25,6 +27,7 @@ def engine_of(url: URL, locked_s: float) -> Engine:
         connect_args={"connect_timeout": int(locked_s), "options": limits},
     )
     event.listen(engine, "do_connect", _connect)
+    event.listen(engine, "begin", _begin)
     return engine
 
 
@@ -61,6 +64,12 @@ def _unless_silent(gen: PQGen[Any]) -> PQGen[Any]:
             wanted = gen.send(ready)
     except StopIteration as end:
         return end.value
+
+
+def _begin(connection: Connection) -> None:
+    """Have one server write at a time, as SQLite has: what it has looked at is still so as it writes."""
+    if connection.get_execution_options().get("writes", False):
+        connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({WRITING})")
 
 
 def _connect(_dialect: object, _record: object, args: list[Any], options: dict[str, Any]) -> _Connection:

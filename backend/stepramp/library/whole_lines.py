@@ -21,6 +21,8 @@ MORE_VALUES = 100
 """Around a document its line has so many more at most."""
 MOST_NUMBER = 2**31 - 1
 """What databases can count."""
+MOST_VERSION = 2_000_000_000
+"""A design of more couldn't be changed for long: each change counts one on."""
 
 T = TypeVar("T", str, str | None)
 
@@ -62,7 +64,7 @@ class DesignLine(Document):
     id: Id
     name: Name
     notes: Words
-    version: Number
+    version: Annotated[int, Within(1, MOST_VERSION)]
     saved_at: Time
     tags: Annotated[list[Name], ListOf("tags", most=30)]
 
