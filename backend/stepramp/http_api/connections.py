@@ -119,6 +119,8 @@ class Connections:
 
         but: the address of a client of whom this doesn't hold, since it has only now been answered.
         """
+        # At once: whoever has the answer may connect anew while we look at all the others.
+        is_any_waiting = self._listener is not None and bool(readable([self._listener]))
         listening = {each.end: each for each in self._open if each.is_listening}
         for unread in readable(listening):
             if but is None or tuple(but) != listening[unread].client:
@@ -126,7 +128,7 @@ class Connections:
         for coming in self._coming:
             coming.come_before(request_number)
         if self._listener is not None:
-            self._answered.append(_Answered(request_number, MOST_LATE, are_all_accepted=not readable([self._listener])))
+            self._answered.append(_Answered(request_number, MOST_LATE, are_all_accepted=not is_any_waiting))
             if len(self._answered) == 1:
                 asyncio.get_running_loop().call_soon(self._see_who_waits, self._listener)
 
