@@ -19,7 +19,7 @@ from stepramp.client.servers import Server
 from stepramp.errors import NoServer, NotFound, Outdated, Refused, Rejected, StepRampError, Unauthorized
 from stepramp.http_api.access import Access, Role
 from stepramp.http_api.app import create_app
-from stepramp.http_api.errors_models import in_body
+from stepramp.http_api.error_items import in_body
 from stepramp.http_api.jobs_models import JobAnswer
 from stepramp.http_api.stall_map_models import StartedAnswer
 from stepramp.ramp.profile import profile_of

@@ -19,8 +19,8 @@ from stepramp.errors import (
     StepRampError,
     Told,
 )
+from stepramp.http_api.error_items import error_items
 from stepramp.http_api.errors import error_response
-from stepramp.http_api.errors_models import error_items
 
 words = st.text(max_size=30)
 numbers = st.none() | st.integers(-(2**53), 2**53)

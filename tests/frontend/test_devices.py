@@ -11,7 +11,7 @@ from frontend.modules import Modules
 from frontend.state import DEVICE, OTHER, STATE, after
 from stepramp.design import Design
 from stepramp.errors import Rejected
-from stepramp.http_api.errors_models import error_items
+from stepramp.http_api.error_items import error_items
 from stepramp.http_api.json_response import json_bytes
 
 

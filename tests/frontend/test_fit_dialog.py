@@ -8,7 +8,7 @@ from designs import document
 from frontend.dialogs import NOBODY, run
 from frontend.modules import Modules
 from stepramp.errors import Rejected
-from stepramp.http_api.errors_models import error_items
+from stepramp.http_api.error_items import error_items
 from stepramp.http_api.json_response import json_bytes
 from stepramp.http_api.tables_models import FitPayload
 

@@ -14,7 +14,7 @@ from frontend.modules import Modules
 from motor.trains import AT_24_V, LOADED, NEMA_17
 from stepramp.design import Design
 from stepramp.errors import Limits, Rejected, Rejection
-from stepramp.http_api.errors_models import error_items
+from stepramp.http_api.error_items import error_items
 from stepramp.http_api.json_response import json_bytes
 from stepramp.ramp.profile import profile_of
 

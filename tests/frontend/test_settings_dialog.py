@@ -10,7 +10,7 @@ from frontend.modules import Modules
 from stepramp.controllers.stepramp.input_roles import EMERGENCY_INPUTS, INPUTS
 from stepramp.controllers.stepramp.settings import StepRampSettings
 from stepramp.errors import Rejected
-from stepramp.http_api.errors_models import ErrorItem, error_items
+from stepramp.http_api.error_items import ErrorItem, error_items
 from stepramp.http_api.json_response import json_bytes
 from stepramp.http_api.motion_models import AxisLimits
 from stepramp.validation import Document

@@ -9,7 +9,7 @@ from designs import design, document
 from frontend.modules import Modules
 from stepramp.controllers.losses import losses
 from stepramp.controllers.remark import Remark, of_axis, quantity, told_in
-from stepramp.http_api.errors_models import ToldAnswer
+from stepramp.http_api.error_items import ToldAnswer
 from stepramp.http_api.schedule_models import LimitAnswer
 from stepramp.ramp.profile import profile_of
 from stepramp.ramp.schedule import schedule_of

@@ -241,7 +241,7 @@ def test_it_is_started_anew_and_not_proven(client: TestClient, cable: GrblOnACab
 
 def test_it_is_refused_where_something_moves_or_may(client: TestClient, cable: GrblOnACable, route: str) -> None:
     ok(client.post(f"{route}/move", json={"by_steps": 20_000}))
-    assert "moves: stop it first" in error_of(client.post(f"{route}/prove"), 409)["message"]
+    assert "moves, that of axis 0: stop it first" in error_of(client.post(f"{route}/prove"), 409)["message"]
     ok(client.post(f"{route}/stop"))
     wait_until(client, route, lambda device: device["state"] == "ready")
     cable.grbl.eeprom.startup[1] = "G1 X5 F100"

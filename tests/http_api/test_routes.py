@@ -17,7 +17,7 @@ from pydantic import BaseModel
 from starlette.testclient import TestClient
 
 from stepramp import http_api
-from stepramp.http_api import answer, app, errors
+from stepramp.http_api import answer, app, error_items
 from stepramp.http_api.answer import Answer
 from stepramp.validation import Document
 
@@ -30,7 +30,7 @@ FILES = {
     "/report",
 }
 MODULES = [import_module(f"{http_api.__name__}.{each.name}") for each in iter_modules(http_api.__path__)]
-OF_ALL_ROUTES = {answer.__name__, errors.__name__}
+OF_ALL_ROUTES = {answer.__name__, error_items.__name__}
 """What any answer is, and what any route answers to what goes wrong."""
 
 

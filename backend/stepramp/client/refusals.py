@@ -17,7 +17,7 @@ from stepramp.errors import (
     Told,
     Unavailable,
 )
-from stepramp.http_api.errors_models import STATUS, ChangeAnswer, ErrorItem, ErrorList, ToldAnswer
+from stepramp.http_api.error_items import STATUS, ChangeAnswer, ErrorItem, ErrorList, ToldAnswer
 
 _KINDS = {status: kind for kind, status in STATUS.items() if kind is not Unavailable}
 """By the status of an answer. What is unavailable and what is too much just now have one: later they are not."""

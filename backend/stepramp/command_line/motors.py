@@ -9,7 +9,7 @@ from stepramp.command_line.commands import command
 from stepramp.command_line.files import DesignFile, design_of
 from stepramp.command_line.output import Format, Rows, progress, show, tell
 from stepramp.command_line.where import Where
-from stepramp.http_api.errors_models import ChangeAnswer
+from stepramp.http_api.error_items import ChangeAnswer
 
 USUAL_SPEEDS_RPM = [0.0, 60.0, 150.0, 300.0, 600.0, 900.0, 1200.0]
 VERDICTS = ("safe", "marginal", "stalls", "not possible")

@@ -52,8 +52,8 @@ from stepramp.http_api.client_limits import ClientLimits
 from stepramp.http_api.connections import Connections
 from stepramp.http_api.description import complete
 from stepramp.http_api.door import Door
+from stepramp.http_api.error_items import ErrorList
 from stepramp.http_api.errors import handle_errors
-from stepramp.http_api.errors_models import ErrorList
 from stepramp.http_api.history_keeper import HistoryKeeper
 from stepramp.http_api.idempotency import Idempotent
 from stepramp.http_api.job_registry import Jobs

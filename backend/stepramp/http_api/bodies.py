@@ -20,8 +20,8 @@ from starlette.types import Receive, Scope, Send
 
 from stepramp.errors import Overloaded, Rejected, Rejection, TooOften, UnsupportedMediaType, shown
 from stepramp.http_api.access import ASKING
+from stepramp.http_api.error_items import ErrorList
 from stepramp.http_api.errors import error_response
-from stepramp.http_api.errors_models import ErrorList
 from stepramp.http_api.json_response import JsonResponse
 from stepramp.http_api.lanes import CHECKING
 from stepramp.http_api.planned import Planned

@@ -7,7 +7,7 @@ from fastapi import APIRouter, WebSocket
 from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.bodies import LARGE_BYTES, JsonRoute
 from stepramp.http_api.curves_models import CurvesAnswer, CurvesPayload
-from stepramp.http_api.errors_models import ErrorList, error_items, in_body
+from stepramp.http_api.error_items import ErrorList, error_items, in_body
 from stepramp.http_api.json_response import json_bytes, json_pieces
 from stepramp.http_api.lanes import CHECKING, PlanningTurns, planning_lane
 from stepramp.http_api.planned import Planned

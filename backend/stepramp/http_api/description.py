@@ -8,7 +8,7 @@ from pydantic.json_schema import models_json_schema
 from stepramp.http_api.access import COOKIE
 from stepramp.http_api.curves_models import CurvesAnswer, CurvesPayload
 from stepramp.http_api.devices_models import DevicesAnswer
-from stepramp.http_api.errors_models import ErrorList
+from stepramp.http_api.error_items import ErrorList
 from stepramp.http_api.idempotency import ALLOWED_KEY, KEY_HEADER, REPLAYED_HEADER
 from stepramp.http_api.jog_models import JogPayload
 from stepramp.http_api.request_examples import EXAMPLES

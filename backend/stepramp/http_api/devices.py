@@ -25,7 +25,7 @@ from stepramp.http_api.devices_models import (
     PushedAnswer,
     PushPayload,
 )
-from stepramp.http_api.errors_models import ErrorList
+from stepramp.http_api.error_items import ErrorList
 from stepramp.http_api.lanes import ACTING, CONNECTING, PLANNING, PUSHING
 from stepramp.http_api.news import News
 from stepramp.http_api.sign_in import client_of

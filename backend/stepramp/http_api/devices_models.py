@@ -14,7 +14,7 @@ from stepramp.design import Design
 from stepramp.devices.view import DeviceState
 from stepramp.errors import Count
 from stepramp.http_api.answer import Answer
-from stepramp.http_api.errors_models import TOLD_OF_EACH, ToldAnswer
+from stepramp.http_api.error_items import TOLD_OF_EACH, ToldAnswer
 from stepramp.validation import Document, ListOrNull, Text, Within, refuse
 
 

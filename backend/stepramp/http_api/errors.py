@@ -13,7 +13,7 @@ from stepramp.errors import (
     UnsupportedMediaType,
     brief,
 )
-from stepramp.http_api.errors_models import STATUS, ErrorItem, ErrorList, error_items, in_body, sentence
+from stepramp.http_api.error_items import STATUS, ErrorItem, ErrorList, error_items, in_body, sentence
 from stepramp.http_api.json_response import JsonResponse
 from stepramp.validation import rejected
 

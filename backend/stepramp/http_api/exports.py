@@ -10,7 +10,7 @@ from stepramp.errors import Refused
 from stepramp.exports.export import MEDIA_TYPES, FormatName, MachineName, Options, export, sheet_of
 from stepramp.exports.machines.machines import MACHINES
 from stepramp.http_api.bodies import JsonRoute
-from stepramp.http_api.errors_models import ToldAnswer
+from stepramp.http_api.error_items import ToldAnswer
 from stepramp.http_api.exports_models import ExportPayload, MachineAnswer, SettingAnswer
 from stepramp.http_api.lanes import LONG_PLANNING, planning_lane
 from stepramp.http_api.own_ramps_models import UNPLAYED, OwnRampAnswer, OwnRampPayload

@@ -8,7 +8,7 @@ from stepramp.design import MOST_NAMES, Design, MethodName
 from stepramp.exports.machines.sheet import AxisLetter
 from stepramp.exports.names import NAME_RULE, is_identifier
 from stepramp.http_api.answer import Answer
-from stepramp.http_api.errors_models import TOLD_OF_EACH, ToldAnswer
+from stepramp.http_api.error_items import TOLD_OF_EACH, ToldAnswer
 from stepramp.numerics.numbers import Arithmetic
 from stepramp.validation import Document, ListOf, Within, refuse
 

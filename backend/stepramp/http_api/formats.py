@@ -14,7 +14,7 @@ from fastapi import Depends, Request
 
 from stepramp.errors import NotAcceptable, Rejection
 from stepramp.http_api.columns import Table
-from stepramp.http_api.errors_models import ErrorList
+from stepramp.http_api.error_items import ErrorList
 from stepramp.http_api.json_response import PIECE_BYTES, json_pieces
 
 JSON, CSV, NPZ = "application/json", "text/csv", "application/x-npz"

@@ -4,7 +4,7 @@ from fastapi import APIRouter
 
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.device_registry import Keeper
-from stepramp.http_api.errors_models import ErrorList
+from stepramp.http_api.error_items import ErrorList
 from stepramp.http_api.history_models import (
     PushedToAnswer,
     PushedToWithDesignsAnswer,

@@ -7,7 +7,7 @@ from pydantic import Field
 from stepramp.design import Design
 from stepramp.examples import all_examples
 from stepramp.http_api.answer import Answer
-from stepramp.http_api.errors_models import TOLD_OF_EACH, ToldAnswer
+from stepramp.http_api.error_items import TOLD_OF_EACH, ToldAnswer
 from stepramp.validation import Document, Text
 
 MOST_CHARACTERS = 100_000

@@ -4,7 +4,7 @@ from fastapi import APIRouter
 
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.device_registry import JobRegistry
-from stepramp.http_api.errors_models import ErrorList
+from stepramp.http_api.error_items import ErrorList
 from stepramp.http_api.jobs_models import JobAnswer
 from stepramp.http_api.json_response import JsonResponse
 

@@ -5,7 +5,7 @@ from typing import Literal, Self
 from pydantic import Field
 
 from stepramp.http_api.answer import Answer
-from stepramp.http_api.errors_models import ErrorItem, error_items
+from stepramp.http_api.error_items import ErrorItem, error_items
 from stepramp.http_api.job_registry import Job, State
 from stepramp.http_api.stall_map_models import StallMapAnswer
 

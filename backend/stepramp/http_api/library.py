@@ -7,7 +7,7 @@ from fastapi import APIRouter, Depends, Header, Path, Request
 
 from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.bodies import JsonRoute
-from stepramp.http_api.errors_models import ErrorList
+from stepramp.http_api.error_items import ErrorList
 from stepramp.http_api.json_response import JsonResponse
 from stepramp.http_api.lanes import LIBRARY
 from stepramp.http_api.library_models import (

@@ -8,7 +8,7 @@ from pydantic import Field
 from stepramp.design import Design
 from stepramp.errors import Rejected
 from stepramp.http_api.answer import Answer
-from stepramp.http_api.errors_models import ChangeAnswer, ErrorItem, error_items, in_body
+from stepramp.http_api.error_items import ChangeAnswer, ErrorItem, error_items, in_body
 from stepramp.motor.asked import MarginAsked
 from stepramp.motor.fastest import Candidate, Fastest, Figures
 from stepramp.motor.fastest_search import SEARCH_S, Shape

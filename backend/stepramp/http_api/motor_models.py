@@ -8,7 +8,7 @@ from pydantic import Field
 from stepramp.design import Design, Row, Table
 from stepramp.errors import Remedy
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
-from stepramp.http_api.errors_models import ChangeAnswer, RemedyAnswer
+from stepramp.http_api.error_items import ChangeAnswer, RemedyAnswer
 from stepramp.http_api.planning_models import MostPoints
 from stepramp.motor.asked import SpeedsAsked
 from stepramp.motor.gauge_rows import USUAL_SHARE, GaugeRow

@@ -8,7 +8,7 @@ from pydantic import Field
 from stepramp.controllers.own_ramp import Beside
 from stepramp.design import Design
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
-from stepramp.http_api.errors_models import ErrorList
+from stepramp.http_api.error_items import ErrorList
 from stepramp.units import MICROSECONDS_PER_SECOND
 from stepramp.validation import Document, Within
 

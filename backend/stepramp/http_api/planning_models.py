@@ -11,7 +11,7 @@ from stepramp.design import MOST_NAMES, MOST_STEPS, Design, MethodName
 from stepramp.errors import Limits, Rejected, Rejection
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
 from stepramp.http_api.columns import Table
-from stepramp.http_api.errors_models import TOLD, ErrorItem, ToldAnswer, error_items, in_body
+from stepramp.http_api.error_items import TOLD, ErrorItem, ToldAnswer, error_items, in_body
 from stepramp.methods import REFERENCE
 from stepramp.methods.common.method import TuningReport
 from stepramp.ramp.error_curves import ErrorCurves

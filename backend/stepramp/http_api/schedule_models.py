@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from stepramp.design import Design
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
-from stepramp.http_api.errors_models import TOLD, ToldAnswer
+from stepramp.http_api.error_items import TOLD, ToldAnswer
 from stepramp.http_api.planning_models import MostPoints, WarningAnswer, refuse_more_numbers
 from stepramp.ramp.schedule import MOST_AXES, Mode, Schedule, ScheduledAxis, conflicts_of, merged
 from stepramp.validation import Document, ListOf, Within

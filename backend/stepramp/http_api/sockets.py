@@ -10,7 +10,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from stepramp.errors import Rejected, Rejection, StepRampError
 from stepramp.http_api.answered import AT_LAST
 from stepramp.http_api.bodies import refuse_repeated
-from stepramp.http_api.errors_models import ErrorList, error_items
+from stepramp.http_api.error_items import ErrorList, error_items
 from stepramp.http_api.json_response import json_bytes
 from stepramp.json_text import parsed_json
 

@@ -12,7 +12,7 @@ from contextlib import ExitStack
 
 from stepramp.devices.registry import Devices
 from stepramp.errors import Rejected, Rejection, StepRampError
-from stepramp.http_api.errors_models import ErrorItem, error_items
+from stepramp.http_api.error_items import ErrorItem, error_items
 from stepramp.http_api.json_response import json_bytes
 from stepramp.http_api.sockets import parsed
 from stepramp.http_api.stopping import halt_whole, stop_every

@@ -14,7 +14,7 @@ from stepramp.devices.stopping import NotStopped
 from stepramp.errors import DeviceLost, Refused, StepRampError
 from stepramp.http_api.device_registry import Registry
 from stepramp.http_api.devices_models import DeviceAnswer
-from stepramp.http_api.errors_models import ErrorItem, error_items
+from stepramp.http_api.error_items import ErrorItem, error_items
 from stepramp.http_api.json_response import JsonResponse
 from stepramp.http_api.stop_body import MOST_BYTES, axes_of_stop
 from stepramp.http_api.stopping_models import AllStoppedAnswer, AxesPayload

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from stepramp.controllers.axes import AxisNumbersOrNull
 from stepramp.http_api.answer import Answer
 from stepramp.http_api.devices_models import DeviceAnswer, DevicesAnswer
-from stepramp.http_api.errors_models import ErrorItem
+from stepramp.http_api.error_items import ErrorItem
 from stepramp.http_api.motion_models import refuse_own_axes
 from stepramp.validation import Document, Within, refuse
 
