@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import shutil
 import socket
+import ssl
+import subprocess
 import sys
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import ExitStack, asynccontextmanager
+from pathlib import Path
 
 import pytest
 import uvicorn
@@ -16,11 +20,19 @@ from uvicorn.server import ServerState
 
 from event_loop import run
 from server_process import PATIENCE_S, ServerProcess
+from stepramp.errors import NotFound
 from stepramp.http_api.connections import DESCRIPTORS, Connection, Connections, Stage
+from stepramp.http_api.errors import error_response
 from stepramp.http_api.request_numbers import numbering
+from stepramp.http_api.server import Sockets
+from tools import require
 
 REQUEST = b"GET /quick HTTP/1.1\r\nHost: a\r\n\r\n"
 POST = b"POST /quick HTTP/1.1\r\nHost: a\r\nContent-Length: 2\r\n\r\n{}"
+UPGRADE = (
+    b"GET /socket HTTP/1.1\r\nHost: a\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+    b"Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n"
+)
 UNFINISHED = (b"G", REQUEST[:-2], b"POST /slow HTTP/1.1\r\nHost: a\r\nContent-Length: 9\r\n\r\nbody")
 FOREVER_S = 3600.0
 
@@ -66,6 +78,9 @@ class Served:
 
     async def app(self, scope: Scope, receive: Receive, send: Send) -> None:
         self.asked += 1
+        if scope["type"] == "websocket":
+            await error_response(NotFound("answered: there is no such socket"))(scope, receive, send)
+            return
         if scope["path"] == "/slow":
             await self.answer_slow.wait()
         while (await receive()).get("more_body"):
@@ -73,9 +88,12 @@ class Served:
         await PlainTextResponse("answered")(scope, receive, send)
 
     @asynccontextmanager
-    async def listening(self) -> AsyncIterator[Callable[[bytes], Awaitable[Client]]]:
-        """Yield what opens one more connection, and sends something over it, which the server has then read."""
-        config = uvicorn.Config(self.app, interface="asgi3", log_level="critical")
+    async def listening(self, cert: Path | None = None) -> AsyncIterator[Callable[[bytes], Awaitable[Client]]]:
+        """Yield what opens one more connection, and sends something over it, which the server has then read.
+
+        cert: of a certificate with its key; None: over plain TCP.
+        """
+        config = uvicorn.Config(self.app, interface="asgi3", log_config=None, ws=Sockets)
         made, state = numbering(lambda: 1, self.connections), ServerState()
 
         def protocol() -> asyncio.Protocol:
@@ -83,7 +101,8 @@ class Served:
             return self.taken[-1]
 
         async def opened(sent: bytes) -> Client:
-            reader, writer = await asyncio.open_connection(*listener.sockets[0].getsockname())
+            trusting = None if cert is None else ssl.create_default_context(cafile=cert)
+            reader, writer = await asyncio.open_connection(*listener.sockets[0].getsockname(), ssl=trusting)
             client = Client(reader, writer)
             self.clients.append(client)
             writer.write(sent)
@@ -92,7 +111,10 @@ class Served:
                     await asyncio.sleep(0)
             return client
 
-        listener = await asyncio.get_running_loop().create_server(protocol, "127.0.0.1", 0)
+        shown = None if cert is None else ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        if shown is not None:
+            shown.load_cert_chain(cert)
+        listener = await asyncio.get_running_loop().create_server(protocol, "127.0.0.1", 0, ssl=shown)
         try:
             yield opened
         finally:
@@ -229,6 +251,45 @@ def test_what_does_not_come_to_its_end_ends(sent: bytes) -> None:
             assert await slow.is_answered()
 
     run(work())
+
+
+def test_over_tls_nothing_is_made_of_who_has_gone(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    """Neither by the clock that ends what is late, nor as one more comes than there may be."""
+    require(*([] if shutil.which("openssl") else ["openssl"]))
+    cert = tmp_path / "cert.pem"
+    command = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1", "-keyout", cert, "-out"]
+    about = [tmp_path / "only.pem", "-subj", "/CN=a", "-addext", "subjectAltName=IP:127.0.0.1"]
+    subprocess.run([*command, *about], check=True, capture_output=True)
+    cert.write_text(cert.read_text() + (tmp_path / "only.pem").read_text())
+
+    async def work() -> None:
+        mistakes: list[dict[str, object]] = []
+        asyncio.get_running_loop().set_exception_handler(lambda _, told: mistakes.append(told))
+        served = Served(Connections(most=2, heard_within_s=0.3))
+        async with served.listening(cert) as opened:
+            for _ in range(2):
+                gone = await opened(UPGRADE)
+                assert await gone.is_answered()
+                gone.writer.close()
+                served.taken[-1].transport.close()
+            await asyncio.sleep(0.4)
+            assert await (await opened(REQUEST)).is_answered()
+        assert mistakes == []
+
+    run(work())
+    assert [each.getMessage() for each in caplog.records if each.levelname == "ERROR"] == []
+
+
+def test_a_socket_that_is_refused_is_no_mistake(caplog: pytest.LogCaptureFixture) -> None:
+    async def work() -> None:
+        served = Served(Connections())
+        async with served.listening() as opened:
+            refused = await opened(UPGRADE)
+            assert await refused.is_answered()
+            assert await refused.has_ended()
+
+    run(work())
+    assert caplog.records == []
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits of another process")

@@ -2,9 +2,12 @@ import re
 import shutil
 from pathlib import Path
 
+import pytest
 from starlette.applications import Starlette
 from starlette.testclient import TestClient
 
+from stepramp.http_api import pages
+from stepramp.http_api.app import create_app
 from stepramp.http_api.page_files import PageFiles
 from stepramp.http_api.pages import frontend
 
@@ -78,6 +81,15 @@ def test_another_version_of_the_page_has_other_addresses(tmp_path: Path) -> None
     assert after != before
     assert client.get(after).status_code == 200
     assert client.get(before).status_code == 404
+
+
+def test_the_documentation_is_found_without_a_slash_at_its_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "index.html").write_text("the documentation")
+    monkeypatch.setattr(pages, "documentation", lambda: tmp_path)
+    client = TestClient(create_app(data=tmp_path), base_url="http://127.0.0.1:8000")
+    sent = client.get("/help", follow_redirects=False)
+    assert (sent.status_code, sent.headers["location"]) == (307, "/help/")
+    assert client.get("/help").text == "the documentation"
 
 
 def test_the_description_gives_every_number_of_an_answer_a_unit_or_a_meaning(client: TestClient) -> None:

@@ -1,6 +1,10 @@
+from pathlib import Path
+
 import pytest
 from starlette.testclient import TestClient, WebSocketDenialResponse
 from starlette.websockets import WebSocketDisconnect
+
+from stepramp.http_api.app import create_app
 
 ROUTES = ["/", "/docs", "/api/v1/health", "/api/v1/ports", "/assets/plotly/plotly.min.js"]
 EVENTS = "/api/v1/devices/events"
@@ -13,6 +17,17 @@ def test_loopback_hosts_are_served(client: TestClient, host: str) -> None:
     assert client.get("/api/v1/health", headers={"host": host}).status_code == 200
     same = {"host": host, "origin": f"http://{host}"}
     assert client.get("/api/v1/health", headers=same).status_code == 200
+
+
+def test_the_address_that_the_server_was_given_is_served(tmp_path: Path) -> None:
+    client = TestClient(create_app(data=tmp_path, host="127.0.0.2"), base_url="http://127.0.0.2:8000")
+    for host in ("127.0.0.2:8000", "127.0.0.1:8000"):
+        same = {"host": host, "origin": f"http://{host}"}
+        assert client.get("/api/v1/health", headers=same).status_code == 200
+    for host in ("127.0.0.3:8000", "127x0.0.2:8000", "evil.example"):
+        refused = client.get("/api/v1/health", headers={"host": host})
+        assert refused.status_code == 403
+        assert "allowed: 127.0.0.2, localhost, 127.0.0.1 or [::1]" in refused.text
 
 
 @pytest.mark.parametrize("route", ROUTES)

@@ -161,7 +161,7 @@ def serve(
     from stepramp.http_api.bodies import MOST_BYTES as MOST_BODY_BYTES  # noqa: PLC0415
     from stepramp.http_api.connections import MOST_NEW, allow_descriptors  # noqa: PLC0415
     from stepramp.http_api.request_numbers import numbering  # noqa: PLC0415
-    from stepramp.http_api.server import GRACE_S  # noqa: PLC0415
+    from stepramp.http_api.server import GRACE_S, Sockets  # noqa: PLC0415
     from stepramp.http_api.server import Server as Running  # noqa: PLC0415
 
     host, port = listener.getsockname()[:2]
@@ -170,14 +170,14 @@ def serve(
     name = f"[{host}]" if ":" in host else host
     address = f"{'http' if tls is None else 'https'}://{name}:{port}/"
     # Within one machine, compressing what goes over a WebSocket takes longer than sending it.
-    app = create_app(remote_ports=remote_ports, data=data, access=access)
+    app = create_app(remote_ports=remote_ports, data=data, access=access, host=name)
     config = uvicorn.Config(
         app,
         log_level="warning",
         access_log=False,
         proxy_headers=False,  # Whoever asks could say in them who they are.
         http=numbering(app.state.devices.order.next, app.state.connections),
-        ws="websockets-sansio",
+        ws=Sockets,
         ws_per_message_deflate=False,
         ws_max_size=MOST_BODY_BYTES,
         backlog=MOST_NEW,

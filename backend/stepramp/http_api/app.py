@@ -162,10 +162,12 @@ def create_app(
     remote_ports: RemotePorts = NO_REMOTE_PORTS,
     data: Path | None = None,
     access: Access | None = None,
+    host: str = "127.0.0.1",
 ) -> FastAPI:
     """Return the application with no device connected; families, remote_ports, data: see Devices.
 
-    access: who may use it from other machines; None: this machine only, whoever is there.
+    access: who may use it from other machines; None: this machine only, whoever is there. host: its address, as it
+    stands in one of a page.
     """
     app = Application(
         title="StepRamp",
@@ -196,7 +198,7 @@ def create_app(
     app.add_middleware(Relief)
     app.add_middleware(Journal)
     if access is None:
-        app.add_middleware(OwnPagesOnly)
+        app.add_middleware(OwnPagesOnly, host=host)
     else:
         app.state.audit = AuditLog(app.state.devices.data / "audit")
         app.add_middleware(ClientLimits)

@@ -208,7 +208,12 @@ class Connection(H11Protocol):
     @property
     def is_over(self) -> bool:
         """Whether it has ended, or will in the next turn of the loop."""
-        return self.transport.is_closing() and self.transport.get_write_buffer_size() == 0
+        if not self.transport.is_closing():
+            return False
+        try:
+            return self.transport.get_write_buffer_size() == 0
+        except AttributeError:  # Over TLS, one that was closed twice has let go of all that it had.
+            return True
 
     @property
     def stage(self) -> Stage:
@@ -246,7 +251,7 @@ class Connection(H11Protocol):
         self._look = self.loop.call_later(self._connections.heard_within_s, self._end_when_late)
 
     def _end_when_late(self) -> None:
-        if self._is_websocket:
+        if not self.is_listening:
             return
         is_late = self.loop.time() - self._waits_since_s >= self._connections.heard_within_s
         if is_late and self.stage in UNHEARD:

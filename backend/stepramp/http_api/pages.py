@@ -6,7 +6,7 @@ from pathlib import Path
 import fastapi_offline
 import plotly
 from fastapi import FastAPI
-from starlette.responses import FileResponse, PlainTextResponse
+from starlette.responses import FileResponse, PlainTextResponse, RedirectResponse
 
 from stepramp.http_api.page_files import ASKED_EACH_TIME, AskedEachTime, PageFiles
 from stepramp.http_api.security import HELP
@@ -14,6 +14,10 @@ from stepramp.http_api.security import HELP
 PACKAGE = Path(str(files("stepramp")))
 PLOTLY = Path(plotly.__file__).parent / "package_data"
 SWAGGER_UI = Path(fastapi_offline.__file__).parent / "static"
+
+
+async def _to_documentation() -> RedirectResponse:
+    return RedirectResponse(f"{HELP}/")
 
 
 async def _no_documentation() -> PlainTextResponse:
@@ -52,6 +56,7 @@ def add(app: FastAPI) -> None:
         return FileResponse(frontend() / "favicon.svg", headers={"cache-control": ASKED_EACH_TIME})
 
     if (site := documentation()) is not None:
+        app.add_api_route(HELP, _to_documentation, include_in_schema=False)
         app.mount(HELP, AskedEachTime(directory=site, html=True))
     else:
         app.add_api_route(f"{HELP}/{{path:path}}", _no_documentation, include_in_schema=False)

@@ -42,17 +42,26 @@ class OwnPagesOnly:
     """Refuses every request and WebSocket that a page from elsewhere sends, or that names a host that isn't ours.
 
     scheme: how the server's own address begins. is_named_at_will: by any name of a host, as who asks has to be known
-    anyway; else by those of the loopback only. public_url: of a proxy in front of it, whose pages are ours.
+    anyway; else by those of the loopback only. public_url: of a proxy in front of it, whose pages are ours. host: the
+    server's own address, which is one of the hosts.
     """
 
     def __init__(
-        self, app: ASGIApp, *, scheme: str = "http", is_named_at_will: bool = False, public_url: str | None = None
+        self,
+        app: ASGIApp,
+        *,
+        scheme: str = "http",
+        is_named_at_will: bool = False,
+        public_url: str | None = None,
+        host: str = "127.0.0.1",
     ) -> None:
         self.app = app
         self._scheme = scheme
         self._public_url = public_url
-        self._hosts = _ANY_HOST if is_named_at_will else _HOST
-        self._allowed = "the name of one host" if is_named_at_will else HOSTS
+        own = re.compile(rf"({re.escape(host)})(:(?P<port>[0-9]{{1,5}}))?")
+        self._hosts = (_ANY_HOST,) if is_named_at_will else (_HOST, own)
+        is_other = _HOST.fullmatch(host) is None
+        self._allowed = "the name of one host" if is_named_at_will else f"{host}, {HOSTS}" if is_other else HOSTS
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass the request on, or refuse it with status 403."""
@@ -66,7 +75,7 @@ class OwnPagesOnly:
         """Return why a request is refused, None if it isn't."""
         headers = Headers(scope=scope)
         hosts, origins, sites = (headers.getlist(name) for name in ("host", "origin", "sec-fetch-site"))
-        if len(hosts) != 1 or not _is_host(self._hosts, hosts[0]):
+        if len(hosts) != 1 or not any(_is_host(kind, hosts[0]) for kind in self._hosts):
             return f"The Host header is {_told(hosts)}; allowed: {self._allowed}."
         own = self._own_origins(hosts[0].lower())
         if origins and [origin.lower() for origin in origins] not in [[each] for each in own]:

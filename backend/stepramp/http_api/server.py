@@ -11,6 +11,8 @@ from time import sleep
 from types import FrameType
 
 import uvicorn
+from uvicorn._types import ASGISendEvent
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from uvicorn.server import HANDLED_SIGNALS
 
 from stepramp.http_api.allocator import give_big_blocks_back
@@ -20,6 +22,17 @@ GRACE_S = 1
 """How long requests that are unfinished at the end may still take [s]."""
 END_WITHIN_S = 4.0
 """How long the whole end may take [s]; what hangs then is left behind."""
+
+
+class Sockets(WebSocketsSansIOProtocol):
+    """The server's protocol of WebSockets, to which one that was refused is answered, and no mistake to be logged."""
+
+    async def send(self, message: ASGISendEvent) -> None:
+        """Send what the application says."""
+        await super().send(message)
+        if message["type"] == "websocket.http.response.body" and not message.get("more_body", False):
+            # The base takes only a socket that was accepted or closed for one whose handshake is over.
+            self.handshake_complete = True
 
 
 class Server(uvicorn.Server):
