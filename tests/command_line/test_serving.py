@@ -186,6 +186,23 @@ def test_it_is_spoken_to_over_tls_with_the_token_that_it_prints(
         assert server.ended() == ""
 
 
+def test_at_all_addresses_the_links_are_such_as_others_can_open(tmp_path: Path) -> None:
+    with ServerProcess(8800, "--host", "0.0.0.0", "--data-folder", str(tmp_path)) as server:
+        assert server.process.stdout is not None
+        assert server.address.hostname not in (None, "0.0.0.0")
+        assert f"//{server.address.netloc}/?token=" in server.process.stdout.readline()
+
+
+def test_a_folder_that_cannot_be_written_is_told_in_a_line(tmp_path: Path) -> None:
+    """A file, as root may write to any folder."""
+    (tmp_path / "servers").write_text("")
+    with ServerProcess(8800, "--data-folder", str(tmp_path)) as server:
+        server.process.terminate()
+        [told] = server.ended().splitlines()
+    assert "has no note of it" in told
+    assert str(tmp_path / "servers") in told
+
+
 def test_a_remote_port_that_is_none_is_refused_and_each_is_named(capsys: pytest.CaptureFixture[str]) -> None:
     options = ["--allow-remote-port", "http://a:1/", "--allow-remote-port", "a:1", "--allow-remote-port", "a"]
     assert main([*options, "--no-browser"]) == 2

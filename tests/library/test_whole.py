@@ -63,6 +63,11 @@ def test_an_empty_library_becomes_the_same(filled: Place, empty: Place) -> None:
     assert empty.history.pushes()[1] == filled.history.pushes()[1]
 
 
+def test_lines_may_end_as_windows_ends_them(filled: Place, empty: Place) -> None:
+    assert empty.whole.add(filled.file().replace(b"\n", b"\r\n")).designs == 2
+    assert empty.all() == filled.all()
+
+
 def test_what_is_there_already_is_not_added_twice(filled: Place) -> None:
     before = filled.all()
     assert filled.whole.add(filled.file()) == Imported(there_already=6)

@@ -84,7 +84,7 @@ def running(data: Path | None = None) -> list[Server]:
 def noted(server: Server, data: Path | None = None) -> Iterator[None]:
     """Leave a note of a server as long as the context lasts. Nobody but its user may read it: it has the token.
 
-    A folder that can't be written to leaves the server without a note, and keeps it from nothing.
+    A folder that can't be written to leaves the server without a note, which is told, and keeps it from nothing.
     """
     folder = (data or data_folder()) / _FOLDER
     note = folder / f"{server.place[1]}.json"
@@ -92,7 +92,14 @@ def noted(server: Server, data: Path | None = None) -> Iterator[None]:
         folder.mkdir(parents=True, exist_ok=True)
         unfinished = folder / f".{server.place[1]}.{os.getpid()}"
         descriptor = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
-    except OSError:
+    except OSError as error:
+        why = error.strerror or error
+        print(
+            f"{folder} has no note of it ({why}): commands of this machine have to be told where this server is, by "
+            f"--server or {URL_VARIABLE}.",
+            file=sys.stderr,
+            flush=True,
+        )
         yield
         return
     with os.fdopen(descriptor, "w", encoding="utf-8") as file:

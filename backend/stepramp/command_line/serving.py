@@ -168,7 +168,10 @@ def serve(
     is_shared = require_token or public is not None or not ipaddress.ip_address(host).is_loopback
     access = Access.with_new_tokens(is_encrypted=tls is not None, public_url=public) if is_shared else None
     name = f"[{host}]" if ":" in host else host
-    address = f"{'http' if tls is None else 'https'}://{name}:{port}/"
+    scheme = "http" if tls is None else "https"
+    # Nobody can open 0.0.0.0: it stands for all addresses of this machine.
+    addresses = [f"{scheme}://{each}:{port}/" for each in names_elsewhere(host) or [_name_here(host)]]
+    address = addresses[0]
     # Within one machine, compressing what goes over a WebSocket takes longer than sending it.
     app = create_app(remote_ports=remote_ports, data=data, access=access, host=name)
     config = uvicorn.Config(
@@ -192,19 +195,20 @@ def serve(
     gc.freeze()
     print(f"StepRamp is at {address} (Ctrl+C ends it)", flush=True)
     if access is not None:
-        address = address if public is None else f"{public}/"
-        print(f"  to operate: {address}?token={access.token_of(Role.OPERATE)}")
-        print(f"  to look on: {address}?token={access.token_of(Role.VIEW)}", flush=True)
+        if public is not None:
+            addresses = [f"{public}/"]
+        for each in addresses:
+            print(f"  to operate: {each}?token={access.token_of(Role.OPERATE)}")
+            print(f"  to look on: {each}?token={access.token_of(Role.VIEW)}", flush=True)
         if not access.is_reached_over_tls:
             print("  Tokens go over the network as they are: --certfile and --keyfile encrypt them.", flush=True)
-        address += f"?token={access.token_of(Role.OPERATE)}"
+        address = f"{addresses[0]}?token={access.token_of(Role.OPERATE)}"
     if open_page:
         # The socket listens already: a browser that is quicker than the server waits for it.
         threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
     app.state.connections.listen(listener)
     token = None if access is None else access.token_of(Role.OPERATE)
     certificate = None if tls is None else str(Path(tls.certfile).resolve())
-    scheme = "http" if tls is None else "https"
     with noted(Server(f"{scheme}://{_name_here(host)}:{port}", token, certificate), data):
         server.serve_until_ended(listener)
 
@@ -244,6 +248,23 @@ class Options:
     data_folder: str | None
     log_level: str
     allow_remote_port: tuple[str, ...]
+
+
+def names_elsewhere(host: str) -> list[str]:
+    """Return how the server is reached from other machines where it listens to all of them: address, and name.
+
+    None where it listens at one address, or where this machine knows of none of its own.
+    """
+    if not ipaddress.ip_address(host).is_unspecified:
+        return []
+    names = [socket.gethostname()]
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    with suppress(OSError), socket.socket(family, socket.SOCK_DGRAM) as probe:
+        # Nothing is sent: it only tells from which address this machine would. That of a network for documentation.
+        probe.connect(("2001:db8::1" if ":" in host else "192.0.2.1", 9))
+        own = probe.getsockname()[0]
+        names.insert(0, f"[{own}]" if ":" in own else own)
+    return names
 
 
 def _name_here(host: str) -> str:

@@ -138,7 +138,11 @@ KINDS: dict[str, type[Line]] = {
 
 
 def whole_lines(content: bytes) -> list[bytes]:
-    """Return the lines between the first and the last; Rejected for what is no such file, or not a whole one."""
+    """Return the lines between the first and the last; Rejected for what is no such file, or not a whole one.
+
+    Lines may end with CRLF, as some mail and editors have them: within a line JSON has neither character.
+    """
+    content = content.replace(b"\r\n", b"\n")
     *lines, end = content.rstrip(b"\n").split(b"\n") if content.strip() else [b""]
     head = _read(lines[0] if lines else end)
     if not isinstance(head, dict) or FORMAT not in head:
