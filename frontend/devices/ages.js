@@ -1,11 +1,13 @@
 // @ts-check
 // How old what is known of devices is, by the server's clock: it tells how old that was when it told of it, and the page
-// adds the time since. What a controller at rest says is half a second old at most, and the server tells each second.
+// adds the time since, and that until it is told again: it is never shown as younger than it is. What a controller at rest says is half a second old at most, and the server tells each second.
 
 /** @typedef {import('../model/types.js').Device} Device */
 
 /** From this age on what is known is old [s]. */
 export const OLD_S = 2;
+/** So often it is told anew [s]. */
+export const TOLD_EACH_S = 0.25;
 const MINUTE_S = 60;
 
 export function createAges() {
@@ -25,13 +27,13 @@ export function createAges() {
     /** Those of which nothing new is known, and for how long.
      * @param {number} now_s @returns {Record<string, number>} whole seconds, by device */
     old(now_s) {
-      const ages = heard.map(({ id, at_s }) => /** @type {[string, number]} */ ([id, Math.floor(now_s - at_s)]));
-      return Object.fromEntries(ages.filter(([, age]) => age >= OLD_S));
+      const old = heard.filter(({ at_s }) => now_s - at_s >= OLD_S);
+      return Object.fromEntries(old.map(({ id, at_s }) => [id, Math.ceil(now_s - at_s + TOLD_EACH_S)]));
     },
   };
 }
 
 /** @param {number} seconds */
 export function agoText(seconds) {
-  return seconds < 2 * MINUTE_S ? `${seconds} s ago` : `${Math.floor(seconds / MINUTE_S)} min ago`;
+  return seconds < 2 * MINUTE_S ? `${seconds} s ago` : `${Math.ceil(seconds / MINUTE_S)} min ago`;
 }

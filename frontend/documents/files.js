@@ -5,6 +5,7 @@
 import { LONGEST_TEXT, readDocument, writeDocument } from './documents.js';
 import { CAPTURE_FILES, HEAD_BYTES, isListing, kindOf, KINDS_TEXT, PASTES_TEXT, SETTINGS_FILES, TABLE_FILES } from './kinds.js';
 import { LONGEST_SOURCE } from './table_text.js';
+import { quoted } from '../model/quoted.js';
 import { element } from '../ui/dom.js';
 import { download } from '../ui/download.js';
 
@@ -45,15 +46,15 @@ export async function readFile(file) {
 export async function readTableFile(file) {
   if (file.size > LONGEST_SOURCE) {
     const [size, limit] = [file.size, LONGEST_SOURCE].map((count) => count.toLocaleString('en-US'));
-    return { text: null, problem: `“${file.name}” has ${size} bytes; a table is read from at most ${limit}.` };
+    return { text: null, problem: `${quoted(file.name)} has ${size} bytes; a table is read from at most ${limit}.` };
   }
   try {
     const bytes = await file.arrayBuffer();
     const text = decoded(bytes);
     const isText = !text.includes('\0');
-    return isText ? { text, problem: null } : { text: null, problem: `“${file.name}” is no text, and so no table.` };
+    return isText ? { text, problem: null } : { text: null, problem: `${quoted(file.name)} is no text, and so no table.` };
   } catch {
-    return { text: null, problem: `“${file.name}” can’t be read.` };
+    return { text: null, problem: `${quoted(file.name)} can’t be read.` };
   }
 }
 
@@ -98,8 +99,8 @@ export function openCaptureFile(onCapture) {
 async function takeFile(file, { onDocument, onTable, onCapture, onSettings }) {
   const kind = kindOf(file.name, await headOf(file));
   if (kind === 'capture') onCapture(file);
-  else if (kind === 'design') onDocument(await readFile(file), `“${file.name}”`);
-  else if (kind === null) onDocument({ document: null, problem: `It is nothing that StepRamp reads. ${KINDS_TEXT}.` }, `“${file.name}”`);
+  else if (kind === 'design') onDocument(await readFile(file), quoted(file.name));
+  else if (kind === null) onDocument({ document: null, problem: `It is nothing that StepRamp reads. ${KINDS_TEXT}.` }, quoted(file.name));
   else {
     const { text, problem } = await readTableFile(file);
     if (text === null) onDocument({ document: null, problem }, 'the file');
@@ -176,7 +177,7 @@ export function watchDrops(present, takers) {
     if (!carriesFiles(event)) return;
     // Else the browser would leave the page for the file.
     event.preventDefault();
-    text.textContent = `Drop a design to open it. It takes the place of “${present() || 'unnamed'}”; undo brings that back. Of C and CSV a lookup table is taken, after a look at it. What a logic analyser captured, as CSV, VCD or .sr, is laid over the plots. What a controller lists of itself becomes designs.`;
+    text.textContent = `Drop a design to open it. It takes the place of ${quoted(present() || 'unnamed')}; undo brings that back. Of C and CSV a lookup table is taken, after a look at it. What a logic analyser captured, as CSV, VCD or .sr, is laid over the plots. What a controller lists of itself becomes designs.`;
     overlay.hidden = false;
   });
   addEventListener('dragleave', (event) => {

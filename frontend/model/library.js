@@ -1,9 +1,11 @@
 // @ts-check
 // What the library keeps, in words: designs with their revisions, what was measured of them, pushes, and what a file has added.
 
+import { LONGEST_NAME } from './design.js';
 import { GROUPS } from './fields.js';
 import { labelOf, nameOf } from './messages.js';
 import { formatFixed } from './numbers.js';
+import { quoted } from './quoted.js';
 import { factorOf, shownEntry, unitOf } from './shown_entry.js';
 
 /** @typedef {import('./types.js').Design} Design */
@@ -48,6 +50,17 @@ export function foundText(count, shown, isSearched) {
   if (count === 0) return isSearched ? 'No design has all these words and tags.' : 'Nothing is in the library yet: save this design as its first.';
   const found = `${counted(count, 'design')}${isSearched ? ' found' : ''}`;
   return shown < count ? `${found}; the ${formatFixed(shown)} that were saved last are listed: more words find the others.` : found;
+}
+
+/** @param {number} count of tags that have no button */
+export const moreTagsText = (count) => `and ${counted(count, 'more tag')}: search for ${count === 1 ? 'its' : 'their'} words`;
+
+/** What is wrong with the name that a design is to be kept under; null: nothing.
+ * @param {string} name */
+export function nameProblem(name) {
+  if (name !== '' && name.trim() === '') return 'The name is only spaces; allowed: a name that can be read, or none at all for the design’s own.';
+  const length = [...name.trim()].length;
+  return length > LONGEST_NAME ? `The name has ${formatFixed(length)} characters; at most ${LONGEST_NAME} are allowed.` : null;
 }
 
 /** Tags as they are typed, with commas between them; each once.
@@ -102,7 +115,7 @@ export function pushOutcome({ trouble, verified, mode }) {
 export function pushedText(axes) {
   return axes
     .map(({ axis, name, revisions: [same] }) => {
-      const what = same ? `“${same.name}”, revision ${same.number}` : `“${name || 'unnamed'}”, in no revision`;
+      const what = same ? `${quoted(same.name)}, revision ${same.number}` : `${quoted(name || 'unnamed')}, in no revision`;
       return axes.length === 1 && axis === 0 ? what : `axis ${axis}: ${what}`;
     })
     .join('; ');
@@ -120,16 +133,23 @@ export function importedText({ designs, revisions, devices, pushes, records, the
   ]).filter(([count]) => count > 0);
   const first = added.length === 0 ? 'Nothing was added.' : `Added: ${added.map(([count, one, several]) => counted(count, one, several)).join(', ')}.`;
   const there = known > 0 ? ` There already: ${formatFixed(known)}.` : '';
-  const beside = copies.length > 0 ? ` Beside what the library has under the same name, as it differs: ${copies.map((name) => `“${name}”`).join(', ')}.` : '';
+  const beside = copies.length > 0 ? ` Beside what the library has under the same name, as it differs: ${copies.map(quoted).join(', ')}.` : '';
   return first + there + beside;
+}
+
+/** Which revisions were drawn into the plots, and which had to give way to them.
+ * @param {string} name of the design @param {number[]} numbers @param {string[]} gone labels of those that gave way */
+export function pinnedText(name, numbers, gone) {
+  const drawn = `Drawn into the plots, beside the design in hand: ${numbers.map((number) => `revision ${number}`).join(' and ')} of ${quoted(name)}`;
+  return gone.length === 0 ? `${drawn}.` : `${drawn}, in the place of ${gone.map(quoted).join(' and ')}: more could not be told from each other.`;
 }
 
 /** What is in hand, and what it is in the library.
  * @param {string} name of the design @param {Link | null} link @param {boolean} isSame whether it is as that revision */
 export function inHandText(name, link, isSame) {
-  const called = `In hand: “${name || 'unnamed'}”`;
+  const called = `In hand: ${quoted(name || 'unnamed')}`;
   if (link === null) return `${called}, not in the library`;
-  const revision = `revision ${link.number}${link.name === name ? '' : ` of “${link.name}”`}`;
+  const revision = `revision ${link.number}${link.name === name ? '' : ` of ${quoted(link.name)}`}`;
   return isSame ? `${called}, ${revision}` : `${called}, changed since ${revision}`;
 }
 
@@ -140,10 +160,10 @@ export const outOfReachText = (reason) => `${reason} The page goes on without th
 /** What is told of a change that somebody else was quicker with.
  * @param {KeptWithRevisions} theirs @param {Link} link what the change was of */
 export function conflictText({ name, revisions, history: [newest] }, link) {
-  if (revisions === link.number || newest === undefined) return `Somebody else has given “${name}” another name, notes or tags meanwhile. Nothing was overwritten.`;
-  const note = newest.note === '' ? '' : `, “${newest.note}”`;
+  if (revisions === link.number || newest === undefined) return `Somebody else has given ${quoted(name)} another name, notes or tags meanwhile. Nothing was overwritten.`;
+  const note = newest.note === '' ? '' : `, ${quoted(newest.note)}`;
   return (
-    `Somebody else has saved revision ${revisions} of “${name}” meanwhile, on ${whenText(newest.saved_at)}${note}. ` +
+    `Somebody else has saved revision ${revisions} of ${quoted(name)} meanwhile, on ${whenText(newest.saved_at)}${note}. ` +
     `Yours began with what was there before it. Nothing was overwritten.`
   );
 }

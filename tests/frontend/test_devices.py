@@ -476,3 +476,19 @@ def test_how_far_a_move_has_come_is_told_to_a_page_that_did_not_see_its_start(mo
     moving = [{**DEVICE, "state": "moving", "axes": [{**axis, "steps_made": 4117}]}]
     look = "(state, {runningMoveOf}) => [runningMoveOf(state).done, runningMoveOf(state).remaining]"
     assert after(modules, [["device.heard", moving, {}]], look) == [4117, 27_883]
+
+
+def test_what_is_known_of_a_device_is_never_shown_as_younger_than_it_is(modules: Modules) -> None:
+    told = modules.evaluate(
+        """async () => { const {createAges, TOLD_EACH_S, agoText} = await import('/devices/ages.js');
+        const ages = createAges(), wrong = [];
+        ages.hear([{id: 'a', state: 'idle', age_s: 0.5}], 100);
+        for (let real = 0.5; real < 20; real += 0.01) {
+            const {a} = ages.old(100 + real - 0.5);
+            // What is shown holds until it is told anew.
+            const least = real + TOLD_EACH_S;
+            if (real < 2 ? a !== undefined : a < least || a > least + 1) wrong.push([real, a]);
+        }
+        return [wrong, agoText(119), agoText(120), agoText(121)]; }""",
+    )
+    assert told == [[], "119 s ago", "2 min ago", "3 min ago"]

@@ -37,6 +37,27 @@ def test_tags_are_told_apart_by_commas_and_those_of_most_designs_come_first(modu
 
 
 @pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("Lift", None),
+        ("", None),
+        ("   ", "The name is only spaces; allowed: a name that can be read, or none at all for the design’s own."),
+        ("x" * 10_000, "The name has 10,000 characters; at most 100 are allowed."),
+    ],
+)
+def test_a_name_that_is_not_kept_as_it_is_typed_is_told(modules: Modules, name: str, words: str | None) -> None:
+    assert modules.call(MODULE, "nameProblem", name) == words
+
+
+def test_a_name_turns_none_of_the_page_s_own_words(modules: Modules) -> None:
+    assert modules.call("model/quoted.js", "quoted", "Lift") == "“Lift”"
+    assert modules.call("model/quoted.js", "quoted", "a\u202eb\u2069c") == "“\u2068a\u202ebc\u2069”"
+    assert modules.call(MODULE, "inHandText", "\u202eb", None, False) == (
+        "In hand: “\u2068\u202eb\u2069”, not in the library"
+    )
+
+
+@pytest.mark.parametrize(
     ("difference", "row"),
     [
         (("ramp.slew_speed_steps_per_s", 1000, 1200), ("Slew speed", "20 mm/s", "48 mm/s")),
@@ -167,6 +188,19 @@ def test_a_revision_is_opened_where_it_is_wanted_and_the_axis_is_known_by_it(mod
         [["of 3"], 0, 3],
     ]
     assert seen[4] == 2  # what was undone before can't come back
+
+
+def test_what_gives_way_to_a_fifth_pinned_revision_is_told(modules: Modules) -> None:
+    gone = desk(
+        modules,
+        "const gone = []; for (const one of [1, 2, 3, 4, 5, 5]) gone.push(await actions.pin(kept, one)); return gone;",
+    )
+    assert gone == [None, None, None, None, "Lift, revision 1", None]
+    drawn = "Drawn into the plots, beside the design in hand: revision 5 of “Lift”"
+    assert modules.call(MODULE, "pinnedText", "Lift", [5], []) == f"{drawn}."
+    assert modules.call(MODULE, "pinnedText", "Lift", [5], ["Lift, revision 1"]) == (
+        f"{drawn}, in the place of “Lift, revision 1”: more could not be told from each other."
+    )
 
 
 def test_a_save_says_which_version_it_is_of_and_who_was_quicker_is_heard(modules: Modules) -> None:

@@ -48,6 +48,41 @@ def test_what_is_found_late_is_not_what_was_typed_since(modules: Modules) -> Non
     assert seen == [True, False, "1 design found"]
 
 
+def test_tags_without_a_button_are_counted(modules: Modules) -> None:
+    seen = run(
+        modules,
+        """const {createList} = await import('/panels/library/list.js');
+        const tags = Array.from({length: 15}, (_, index) => `tag ${index}`);
+        const designs = [{id: 'a', name: 'A', tags, revisions: 1, saved_at: 0}];
+        const list = createList({search: async () => ({count: 1, designs}), onChoose() {}});
+        body.append(list.element);
+        await list.find();
+        const offered = byId('library-filter').children;
+        return [offered.length, offered.at(-1).textContent];""",
+    )
+    assert seen == [13, "and 3 more tags: search for their words"]
+
+
+def test_a_save_that_waits_is_shown_and_not_begun_twice(modules: Modules) -> None:
+    seen = run(
+        modules,
+        """const {createSaving} = await import('/panels/library/saving.js');
+        const saved = []; let done = () => {};
+        const saving = createSaving({saveRevision() {}, onCancel() {},
+            saveNew: ({name}) => { saved.push(name); return new Promise((end) => { done = end; }); }});
+        body.append(saving.element);
+        const [form, button] = [byId('library-saving'), byId('library-save')];
+        const look = () => [button.textContent, button.disabled, saved.length];
+        const submit = () => form.onsubmit({preventDefault() {}});
+        saving.begin(null, 'Lift'); submit(); submit();
+        const seen = [look()];
+        done(); await settled(); seen.push(look());
+        byId('library-save-name').value = 'x'.repeat(101); submit(); seen.push(look(), textOf(form).includes('101'));
+        return seen;""",
+    )
+    assert seen == [["saving …", True, 1], ["Save as new", False, 1], ["Save as new", False, 1], True]
+
+
 def test_a_trace_is_offered_to_be_kept_only_to_who_may(modules: Modules) -> None:
     seen = run(
         modules,

@@ -1,11 +1,9 @@
 // @ts-check
 // The clock of what is known of the devices: what is old is shown as old while nothing is heard, and so nothing else asks.
 
-import { createAges } from '../../devices/ages.js';
+import { createAges, TOLD_EACH_S } from '../../devices/ages.js';
 import { aged } from '../commands/device.js';
 import { whenChanged } from '../state.js';
-
-const TICK_MS = 500;
 
 /** @param {import('../state.js').Store} store */
 export function watchAges({ dispatch, subscribe }) {
@@ -21,5 +19,5 @@ export function watchAges({ dispatch, subscribe }) {
       },
     ),
   );
-  setInterval(tell, TICK_MS);
+  setInterval(tell, TOLD_EACH_S * 1000);
 }

@@ -5,6 +5,7 @@
 import { readDocument } from '../../documents/documents.js';
 import { areEqual } from '../../model/equal.js';
 import { RECORD_NAMES } from '../../model/library.js';
+import { quoted } from '../../model/quoted.js';
 import { MOST_AXES } from '../../model/workbench.js';
 import { CHANGED_MEANWHILE, isForLater, Refusal, ServerGone } from '../../server/api.js';
 import { calculate, NO_DETAILS } from '../../server/calculation.js';
@@ -116,7 +117,7 @@ export function createLibrary({ state, dispatch, subscribe }, documents, ask = l
       const design = readDesign((await ask.revision(kept.id, number)).design);
       put(design, where);
       linkInHand(kept, number, design);
-      dispatch(tell, `Opened from the library: “${kept.name}”, revision ${number}.`, false);
+      dispatch(tell, `Opened from the library: ${quoted(kept.name)}, revision ${number}.`, false);
     },
     /** Open what was pushed: an axis for each design. Where the library has the same, the axis is that revision.
      * @param {string} id of the push */
@@ -163,11 +164,13 @@ export function createLibrary({ state, dispatch, subscribe }, documents, ask = l
         if (known.id === kept.id && known.version === before) dispatch(relink, Number(axis), { name: kept.name, version: kept.version });
       }
     },
-    /** Lay a revision beside the design in hand.
-     * @param {Kept} kept @param {number} number */
+    /** Lay a revision beside the design in hand; the label of the one that gave way to it, null where none did.
+     * @param {Kept} kept @param {number} number @returns {Promise<string | null>} */
     async pin(kept, number) {
       const { design } = await ask.revision(kept.id, number);
+      const before = state().library.beside;
       dispatch(layBeside, { key: `${kept.id} ${number}`, label: `${kept.name}, revision ${number}`, design: readDesign(design) });
+      return before.find(({ key }) => !state().library.beside.some((one) => one.key === key))?.label ?? null;
     },
     readDesign,
     /** Keep what was measured or computed of a design with it; told in words, whatever comes of it.
@@ -178,7 +181,7 @@ export function createLibrary({ state, dispatch, subscribe }, documents, ask = l
         const present = inHand();
         const { id, name, number, isNew } = await revisionFor(axis ?? present.axis, design ?? present.design, kind);
         await ask.keepRecord(id, { revision: number, kind, note, document });
-        dispatch(tell, `${what} kept in the library with “${name}”, revision ${number}${isNew ? ', which was saved for it' : ''}.`, false);
+        dispatch(tell, `${what} kept in the library with ${quoted(name)}, revision ${number}${isNew ? ', which was saved for it' : ''}.`, false);
       } catch (error) {
         if (!(error instanceof Refusal || error instanceof ServerGone)) throw error;
         const isOthers = error instanceof Refusal && error.status === CHANGED_MEANWHILE;

@@ -2,6 +2,7 @@
 // The menu of the head of the page: designs to begin with, those of other tabs, and where there is no room for buttons,
 // all that they do.
 
+import { quoted } from '../../model/quoted.js';
 import { element, icon, messageLine } from '../../ui/dom.js';
 
 /** @typedef {import('../../model/types.js').Example} Example */
@@ -104,7 +105,7 @@ export function createMenu(handlers, actions, others) {
     showDesigns(examples, others, replaced) {
       const none = { text: 'The examples come with the server, which does not answer.', isWarning: true };
       const back = item(
-        `Back to your “${replaced || 'unnamed'}”`,
+        `Back to your ${quoted(replaced || 'unnamed')}`,
         'The design that something else took the place of.',
         handlers.onBack,
       );
@@ -120,7 +121,7 @@ export function createMenu(handlers, actions, others) {
         ...(examples.length === 0 ? [messageLine(none)] : []),
         ...(replaced === null && others.length === 0 ? [] : [element('hr')]),
         ...(replaced === null ? [] : [back]),
-        ...others.map((other) => item(`“${namesOf(other)}”`, placeOf(other), () => handlers.onOther(other))),
+        ...others.map((other) => item(quoted(namesOf(other)), placeOf(other), () => handlers.onOther(other))),
       );
     },
   };

@@ -2,11 +2,11 @@
 // One design of the library: what is said of it, its revisions, what was measured of it, and its pushes.
 
 import { RECORD_NAMES, revisionsText, tagsOf, whenText } from '../../model/library.js';
-import { LONGEST_NAME } from '../../model/design.js';
+import { isolated, quoted } from '../../model/quoted.js';
 import { element, icon, messageLine, picker } from '../../ui/dom.js';
 import { createCompare } from './compare.js';
 import { pushRow } from './pushes.js';
-import { button, iconButton, row, section, tagList, textArea, textField } from './rows.js';
+import { button, iconButton, nameField, row, section, tagList, textArea, textField, whileSaving } from './rows.js';
 
 /** @typedef {import('../../model/library.js').About} About */
 /** @typedef {import('../../model/library.js').KeptRecord} KeptRecord */
@@ -18,7 +18,7 @@ import { button, iconButton, row, section, tagList, textArea, textField } from '
 /** What decides which buttons there are. axes: how many are in hand. inHand: number of the revision that the axis in hand is of.
  * @typedef {{mayKeep: boolean, axes: number, mostAxes: number, inHand: number | null}} Situation */
 
-/** @param {{open: (kept: KeptWithRevisions, number: number, where: Where) => void, describe: (kept: KeptWithRevisions, about: About) => void,
+/** @param {{open: (kept: KeptWithRevisions, number: number, where: Where) => void, describe: (kept: KeptWithRevisions, about: About) => unknown,
  *   duplicate: (kept: KeptWithRevisions) => void, showRecord: (kept: KeptWithRevisions, record: KeptRecord) => void,
  *   saveRecord: (kept: KeptWithRevisions, record: KeptRecord) => void, onBack: () => void}
  *   & Parameters<typeof createCompare>[0] & Parameters<typeof pushRow>[1]} act */
@@ -75,14 +75,16 @@ export function createDetail(act) {
 
   /** @param {HTMLElement} about @param {KeptWithRevisions} kept @param {About} [typed] */
   function edit(about, kept, typed = kept) {
-    const name = textField('library-edit-name', 'Name', { maxLength: LONGEST_NAME, value: typed.name });
+    const name = nameField('library-edit-name', { value: typed.name });
     const tags = textField('library-edit-tags', 'Tags, with commas between', { value: typed.tags.join(', ') });
     const notes = textArea('library-edit-notes', 'Notes', { value: typed.notes, rows: 3 });
-    const theirs = [`“${kept.name}”`, kept.tags.length > 0 && `tags ${kept.tags.join(', ')}`, kept.notes !== '' && `notes “${kept.notes}”`].filter((one) => one !== false).join('; ');
+    const theirs = [quoted(kept.name), kept.tags.length > 0 && `tags ${kept.tags.map(isolated).join(', ')}`, kept.notes !== '' && `notes ${quoted(kept.notes)}`].filter((one) => one !== false).join('; ');
     const submit = (/** @type {SubmitEvent} */ event) => {
       event.preventDefault();
-      act.describe(kept, { name: name.input.value.trim(), tags: tagsOf(tags.input.value), notes: notes.input.value.trim() });
+      if (!name.isGood()) return;
+      whileSaving(save, () => act.describe(kept, { name: name.input.value.trim(), tags: tagsOf(tags.input.value), notes: notes.input.value.trim() }));
     };
+    const save = element('button', { className: 'button small primary', id: 'library-describe', type: 'submit', textContent: 'Save' });
     const back = () => {
       showAbout(about, kept, true);
       document.getElementById('library-edit')?.focus();
@@ -95,7 +97,7 @@ export function createDetail(act) {
         name.element,
         tags.element,
         notes.element,
-        element('div', { className: 'library-foot' }, button('Cancel', back), element('button', { className: 'button small primary', id: 'library-describe', type: 'submit', textContent: 'Save' })),
+        element('div', { className: 'library-foot' }, button('Cancel', back), save),
       ),
     );
     name.input.focus();

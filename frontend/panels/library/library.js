@@ -9,7 +9,8 @@ import { deviceOf } from '../../app/devices.js';
 import { isAsLinked, linkOf, mayKeep } from '../../app/library.js';
 import { axisOf, designOf, machineOf } from '../../app/selectors.js';
 import { whenever } from '../../app/state.js';
-import { importedText, inHandText, outOfReachText, RECORD_NAMES } from '../../model/library.js';
+import { importedText, inHandText, outOfReachText, pinnedText, RECORD_NAMES } from '../../model/library.js';
+import { quoted } from '../../model/quoted.js';
 import { mapKey } from '../../model/stall_map.js';
 import { duplicateOf, MOST_AXES } from '../../model/workbench.js';
 import { measuredIn } from '../../plotting/captured.js';
@@ -44,12 +45,15 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
   /** Which choice is the newest: an answer about another one comes too late. */
   let asked = 0;
   const list = createList({
-    search: (text, tags) => reached(() => server.search(text, tags)),
+    search(text, tags) {
+      say(''); // What was said of an earlier action.
+      return reached(() => server.search(text, tags));
+    },
     onChoose: ({ id }) => look(id),
   });
   const saving = createSaving({ saveRevision, saveNew, onCancel: () => back() });
   const detail = createDetail({
-    open: (kept, number, where) => told(() => act.openRevision(kept, number, where), `“${kept.name}”, revision ${number}, is in hand now. What it took the place of can be had back by undo and from the menu.`),
+    open: (kept, number, where) => told(() => act.openRevision(kept, number, where), `${quoted(kept.name)}, revision ${number}, is in hand now. What it took the place of can be had back by undo and from the menu.`),
     describe,
     duplicate,
     showRecord,
@@ -59,10 +63,7 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
       handFocus(list.words);
     },
     compare: (kept, one, other) => compared(kept, one, other),
-    pin: (kept, numbers) =>
-      told(async () => {
-        for (const number of numbers) await act.pin(kept, number);
-      }, `Drawn into the plots, beside the design in hand: ${numbers.map((number) => `revision ${number}`).join(' and ')} of “${kept.name}”.`),
+    pin,
     units: () => state().units,
     openPush,
     openBackups: act.openBackups,
@@ -182,6 +183,7 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
   async function look(id) {
     asked += 1;
     const mine = asked;
+    say('');
     const found = await reached(async () => {
       const [kept, { records }, { pushes: made }] = await Promise.all([server.design(id), server.records(id), server.pushes({ design_id: id })]);
       return { kept, records, pushes: made };
@@ -239,7 +241,7 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
   /** @param {About & {note: string}} about */
   async function saveNew(about) {
     const kept = await reached(() => act.saveNew(about));
-    if (kept) await savedAs(`Saved as “${kept.name}”, revision 1.`, kept);
+    if (kept) await savedAs(`Saved as ${quoted(kept.name)}, revision 1.`, kept);
   }
 
   /** @param {string} text of the revision */
@@ -247,7 +249,7 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     const linked = linkOf(state());
     const answer = await reached(() => act.saveRevision(text));
     if (answer === null) return;
-    if ('kept' in answer) return savedAs(`Saved as revision ${answer.kept.revisions} of “${answer.kept.name}”.`, answer.kept);
+    if ('kept' in answer) return savedAs(`Saved as revision ${answer.kept.revisions} of ${quoted(answer.kept.name)}.`, answer.kept);
     if (linked === null) return;
     showPane('conflict');
     say('');
@@ -272,7 +274,17 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
   /** @param {KeptWithRevisions} kept */
   async function duplicate(kept) {
     const copy = await reached(() => server.duplicate(kept.id, duplicateName(kept.name)));
-    if (copy) await savedAs(`“${copy.name}” is a copy of “${kept.name}”, and a design of its own.`, copy);
+    if (copy) await savedAs(`${quoted(copy.name)} is a copy of ${quoted(kept.name)}, and a design of its own.`, copy);
+  }
+
+  /** @param {KeptWithRevisions} kept @param {number[]} numbers */
+  async function pin(kept, numbers) {
+    const gone = await reached(async () => {
+      const labels = [];
+      for (const number of numbers) labels.push(await act.pin(kept, number));
+      return labels.filter((label) => label !== null);
+    });
+    if (gone !== null) say(pinnedText(kept.name, numbers, gone));
   }
 
   /** @param {KeptWithRevisions} kept @param {number} one @param {number} other */
@@ -302,7 +314,7 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     if (found === null || axis === null) return;
     const { document, design } = found;
     try {
-      return showDocument(kind, document, design, axis, `${RECORD_NAMES[kind]} of “${kept.name || 'unnamed'}”, revision ${revision}`);
+      return showDocument(kind, document, design, axis, `${RECORD_NAMES[kind]} of ${quoted(kept.name || 'unnamed')}, revision ${revision}`);
     } catch {
       say('It can be downloaded, but not shown: it is not as StepRamp itself answers it.');
     }
@@ -349,7 +361,7 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
 
   /** @param {File} file */
   async function importFile(file) {
-    say(`“${file.name}” is being added …`);
+    say(`${quoted(file.name)} is being added …`);
     const added = await reached(() => server.importFile(file));
     if (added === null) return;
     await list.find();

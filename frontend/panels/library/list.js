@@ -1,7 +1,7 @@
 // @ts-check
 // The designs that a search finds: it is asked as words are typed, and by the tags that are pressed.
 
-import { foundText, revisionsText, tagsOfAll, whenText } from '../../model/library.js';
+import { foundText, moreTagsText, revisionsText, tagsOfAll, whenText } from '../../model/library.js';
 import { element, showText } from '../../ui/dom.js';
 import { tagList } from './rows.js';
 
@@ -59,9 +59,11 @@ export function createList({ search, onChoose }) {
   }
 
   function draw() {
-    const offered = [...new Set([...chosenTags, ...knownTags])].slice(0, Math.max(MOST_TAGS, chosenTags.length));
+    const all = [...new Set([...chosenTags, ...knownTags])];
+    const offered = all.slice(0, Math.max(MOST_TAGS, chosenTags.length));
     tags.hidden = offered.length === 0;
     tags.replaceChildren(...offered.map(tagButton));
+    if (offered.length < all.length) tags.append(element('span', { className: 'muted', textContent: moreTagsText(all.length - offered.length) }));
     list.hidden = designs.length === 0;
     list.replaceChildren(...designs.map((kept) => element('li', {}, designButton(kept))));
   }

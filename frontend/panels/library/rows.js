@@ -1,7 +1,8 @@
 // @ts-check
 // What the parts of the library's dialog are made of: buttons, fields, and rows of lists.
 
-import { element, icon } from '../../ui/dom.js';
+import { nameProblem } from '../../model/library.js';
+import { element, icon, showMessage } from '../../ui/dom.js';
 
 /** @param {string} text @param {() => void} onclick @param {Record<string, unknown>} [more] */
 export const button = (text, onclick, more = {}) =>
@@ -16,6 +17,40 @@ export const iconButton = (drawing, label, onclick) =>
 export function textField(id, label, more = {}) {
   const input = element('input', { id, type: 'text', autocomplete: 'off', spellcheck: false, ...more });
   return { element: labelled(id, label, input), input };
+}
+
+/** A design's name. Too long a one is told and not cut.
+ * @param {string} id @param {Record<string, unknown>} [more] */
+export function nameField(id, more = {}) {
+  const { element: field, input } = textField(id, 'Name', more);
+  const told = element('div');
+  field.append(told);
+  return {
+    element: field,
+    input,
+    /** Whether it can be kept; if not, that is shown. */
+    isGood() {
+      const problem = nameProblem(input.value);
+      showMessage(input, told, problem === null ? undefined : { text: problem, isWarning: false });
+      if (problem !== null) input.focus();
+      return problem === null;
+    },
+  };
+}
+
+/** Do what takes long once, however often it is pressed, and show that it is being done.
+ * @param {HTMLButtonElement} button @param {() => unknown} act */
+export async function whileSaving(button, act) {
+  if (button.disabled) return;
+  const text = button.textContent;
+  button.disabled = true;
+  button.textContent = 'saving …';
+  try {
+    await act();
+  } finally {
+    button.disabled = false;
+    button.textContent = text;
+  }
 }
 
 /** @param {string} id @param {string} label @param {Record<string, unknown>} [more] */

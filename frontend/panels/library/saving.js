@@ -2,14 +2,14 @@
 // The form that saves the design in hand: as another revision of the one that it began with, or as a new one.
 
 import { tagsOf } from '../../model/library.js';
-import { LONGEST_NAME } from '../../model/design.js';
+import { quoted } from '../../model/quoted.js';
 import { element, segmented, showText } from '../../ui/dom.js';
-import { textArea, textField } from './rows.js';
+import { nameField, textArea, textField, whileSaving } from './rows.js';
 
 /** @typedef {import('../../model/library.js').About} About */
 /** @typedef {import('../../model/library.js').Link} Link */
 
-/** @param {{saveRevision: (note: string) => void, saveNew: (about: About & {note: string}) => void, onCancel: () => void}} act */
+/** @param {{saveRevision: (note: string) => unknown, saveNew: (about: About & {note: string}) => unknown, onCancel: () => void}} act */
 export function createSaving({ saveRevision, saveNew, onCancel }) {
   /** @type {'revision' | 'new'} */
   let as = 'new';
@@ -17,7 +17,7 @@ export function createSaving({ saveRevision, saveNew, onCancel }) {
   let linked = null;
   const choice = segmented('Save as', /** @type {['revision' | 'new', string][]} */ ([['revision', 'Another revision'], ['new', 'A new design']]), choose); // prettier-ignore
   const of = element('p', { className: 'muted', id: 'library-save-of' });
-  const name = textField('library-save-name', 'Name', { maxLength: LONGEST_NAME });
+  const name = nameField('library-save-name');
   const tags = textField('library-save-tags', 'Tags, with commas between', { placeholder: 'x axis, quiet' });
   const notes = textArea('library-save-notes', 'Notes: what is to be known of the design');
   const note = textField('library-save-note', 'Note: what is new in this revision', { maxLength: 1000 });
@@ -44,14 +44,16 @@ export function createSaving({ saveRevision, saveNew, onCancel }) {
     const isNew = as === 'new';
     for (const field of [name, tags, notes]) field.element.hidden = !isNew;
     showText(save, isNew ? 'Save as new' : 'Save revision');
-    showText(of, isNew ? 'Kept as revision 1 of a design of its own.' : `Kept as the next revision of “${linked?.name}”; those before stay as they are.`);
+    showText(of, isNew ? 'Kept as revision 1 of a design of its own.' : `Kept as the next revision of ${quoted(linked?.name ?? '')}; those before stay as they are.`);
   }
 
   /** @param {SubmitEvent} event */
   function submit(event) {
     event.preventDefault();
-    if (as === 'revision') saveRevision(note.input.value.trim());
-    else saveNew({ name: name.input.value.trim(), tags: tagsOf(tags.input.value), notes: notes.input.value.trim(), note: note.input.value.trim() });
+    const about = note.input.value.trim();
+    if (as === 'revision') return whileSaving(save, () => saveRevision(about));
+    if (!name.isGood()) return;
+    return whileSaving(save, () => saveNew({ name: name.input.value.trim(), tags: tagsOf(tags.input.value), notes: notes.input.value.trim(), note: about }));
   }
 
   choose(as);

@@ -1,6 +1,7 @@
 // @ts-check
 // The legend: one switch a method, with its largest error, and what was measured.
 
+import { quoted } from '../../model/quoted.js';
 import { shapeOf } from '../../model/shapes.js';
 import { element, icon, showText } from '../../ui/dom.js';
 import { deviationText, markedStepsText, MARKS } from '../../plotting/captured.js';
@@ -162,7 +163,7 @@ export function createLegend(onSwitch, onOwn, { onOpen, onRemove }, onTakeAway, 
 
 /** @param {string} label of a revision @param {string} dash of its line @param {() => void} onclick */
 function besideChip(label, dash, onclick) {
-  const removal = `Unpin “${label}”`;
+  const removal = `Unpin ${quoted(label)}`;
   return element(
     'span',
     { className: 'chip beside', title: `Pinned from the library: ${label}` },

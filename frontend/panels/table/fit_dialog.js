@@ -3,6 +3,7 @@
 
 import { createQuestion, laterText } from '../../app/effects/question.js';
 import { linearTableAsC } from '../../documents/c_table.js';
+import { quoted } from '../../model/quoted.js';
 import { copyText } from '../../ui/clipboard.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
 import { element, messageLine, segmented } from '../../ui/dom.js';
@@ -284,7 +285,7 @@ export function createFitDialog(ask, onRows) {
     const own = methodOf(to.method.name);
     const method = own.plays_table ? methodOf(REFERENCE) : own;
     const speed = formatEntry(to.ramp.slew_speed_steps_per_s);
-    about.textContent = `The best rows for the ramp of “${to.name || 'unnamed'}” by ${method.label} up to ${speed} steps/s.`;
+    about.textContent = `The best rows for the ramp of ${quoted(to.name || 'unnamed')} by ${method.label} up to ${speed} steps/s.`;
   }
 
   return {

@@ -2,6 +2,7 @@
 // What the rows of a dialog are for: the axis that it was opened for, whichever is in hand when they are used, and whether
 // they become its method.
 
+import { quoted } from '../../model/quoted.js';
 import { element } from '../../ui/dom.js';
 import { methodOf } from '../../model/methods.js';
 
@@ -35,7 +36,7 @@ export function createPurpose(id) {
      * @param {number} axis in hand */
     show(axis) {
       elsewhere.hidden = opened === null || opened.axis === axis;
-      elsewhere.textContent = `The rows go to “${opened?.design.name || 'unnamed'}”, the axis that this was opened for, not to the one in hand.`;
+      elsewhere.textContent = `The rows go to ${quoted(opened?.design.name || 'unnamed')}, the axis that this was opened for, not to the one in hand.`;
     },
     /** The id of the axis that it was opened for. */
     axis: () => opened?.axis ?? -1,
