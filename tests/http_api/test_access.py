@@ -15,6 +15,7 @@ from designs import document
 from stepramp.http_api import client_limits
 from stepramp.http_api.access import MOST_SESSIONS, Access, Role
 from stepramp.http_api.app import create_app
+from stepramp.http_api.turned_away import TurnedAway
 
 HOST = "bench.example:8000"
 BASE = f"http://{HOST}"
@@ -65,6 +66,31 @@ def signed_in(server: TestClient, role: Role) -> None:
 def message(response: Any) -> str:
     [error] = response.json()["errors"]
     return str(error["message"])
+
+
+def test_who_is_turned_away_is_in_the_log_once_a_minute(caplog: pytest.LogCaptureFixture) -> None:
+    times_s = iter((0, 1, 2, 59, 61))
+    away = TurnedAway(lambda: next(times_s))
+    asked = {"type": "http", "method": "POST", "path": "/api/v1/devices\n", "client": ("192.0.2.7", 5)}
+    for place in (7, 7, 8, 7, 7):
+        away.note({**asked, "client": (f"192.0.2.{place}", 5)})
+    assert [each.getMessage() for each in caplog.records] == [
+        "192.0.2.7 asked without a token of this server: 'POST /api/v1/devices\\n'.",
+        "192.0.2.8 asked without a token of this server: 'POST /api/v1/devices\\n'.",
+        "192.0.2.7 asked without a token of this server: 'POST /api/v1/devices\\n', "
+        "and 2 times more since it was told last.",
+    ]
+
+
+def test_a_token_that_counts_for_nothing_is_in_the_log_without_it(
+    server: TestClient, caplog: pytest.LogCaptureFixture
+) -> None:
+    server.get("/", headers=A_PAGE)
+    assert caplog.records == []  # Who has yet to type it in.
+    server.get("/", params={"token": "guessed"}, headers=A_PAGE)
+    server.post(f"{DEVICES}/stop")
+    [told] = [each.getMessage() for each in caplog.records]
+    assert "'GET /'" in told
 
 
 def test_nobody_is_served_unknown(server: TestClient) -> None:

@@ -13,6 +13,7 @@ from stepramp.errors import Forbidden, Unauthorized
 from stepramp.http_api.access import CLIENT, MOST_TOKEN, Access, Client, Role, cookie_of
 from stepramp.http_api.door import is_stop
 from stepramp.http_api.errors import error_response
+from stepramp.http_api.turned_away import TurnedAway
 
 PARAMETER = "token"
 HEALTH = "/api/v1/health"
@@ -65,6 +66,7 @@ class SignIn:
     def __init__(self, app: ASGIApp, access: Access) -> None:
         self._app = app
         self._access = access
+        self._turned_away = TurnedAway()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass on what somebody may ask for, or answer with 401 or 403."""
@@ -82,7 +84,10 @@ class SignIn:
         if client is None and scope["path"] == HEALTH:
             return None
         if client is None:
-            return _form("") if _wants_a_page(scope) else _unauthorized()
+            if _wants_a_page(scope):
+                return _form("")
+            self._turned_away.note(scope)
+            return _unauthorized()
         # Also of who is refused: what was tried is noted with who has.
         scope[CLIENT] = client
         return error_response(Forbidden(LOOKS_ON)) if client.role is not Role.OPERATE and acts(scope) else None
@@ -90,6 +95,7 @@ class SignIn:
     def _begin(self, scope: Scope, token: str) -> Response:
         role = self._access.role_of(token)
         if role is None:
+            self._turned_away.note(scope)
             return _form(WRONG)
         # Without the token: else it would stand in the browser's history, and be copied with the address.
         response = RedirectResponse(_without_token(scope), status_code=303, headers={"cache-control": "no-store"})

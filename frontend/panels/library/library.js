@@ -282,7 +282,7 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     const gone = await reached(async () => {
       const labels = [];
       for (const number of numbers) labels.push(await act.pin(kept, number));
-      return labels.filter((label) => label !== null);
+      return labels.flatMap((label) => label ?? []);
     });
     if (gone !== null) say(pinnedText(kept.name, numbers, gone));
   }

@@ -42,7 +42,7 @@ export function nameField(id, more = {}) {
  * @param {HTMLButtonElement} button @param {() => unknown} act */
 export async function whileSaving(button, act) {
   if (button.disabled) return;
-  const text = button.textContent;
+  const text = button.textContent ?? '';
   button.disabled = true;
   button.textContent = 'saving …';
   try {
