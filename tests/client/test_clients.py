@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 from typing import Any
 
 import httpx2
@@ -12,8 +13,8 @@ import pytest
 import stepramp
 from designs import design, document
 from event_loop import run
-from stepramp.client import AsyncClient, Client
-from stepramp.client.calls import Call, get
+from stepramp.client import AsyncClient, Client, device_calls
+from stepramp.client.calls import Call, Pause, get
 from stepramp.client.design_calls import stall_map
 from stepramp.client.servers import Server
 from stepramp.errors import NoServer, NotFound, Outdated, Refused, Rejected, StepRampError, Unauthorized
@@ -76,6 +77,30 @@ def test_a_job_is_awaited_and_told_of(client: Any) -> None:
     assert not any(-1 in row for row in answer.verdicts)
     assert told == sorted(told)
     assert told[-1] == 1
+
+
+@pytest.mark.parametrize("where", ["while asked", "in a pause", "to the end"])
+def test_a_run_is_over_once_its_program_was_silent(monkeypatch: pytest.MonkeyPatch, where: str) -> None:
+    """It is never begun a second time, and no renewal begins one."""
+    now_s = [100.0]
+    monkeypatch.setattr(device_calls, "monotonic", lambda: now_s[0])
+    script = device_calls.run_for("1", 0, 400, 30, stops=7)
+    begun = next(script)
+    assert isinstance(begun, Call)
+    assert json.loads(begun.body or b"")["renews"] is False
+    now_s[0] += 5.0 if where == "while asked" else 0.0
+    assert isinstance(script.send(SimpleNamespace()), Pause)
+    if where != "while asked":
+        now_s[0] += 0.5
+        renewed = script.send(None)
+        assert isinstance(renewed, Call)
+        told = [json.loads(each.body or b"") for each in (begun, renewed)]
+        assert [each["renews"] for each in told] == [False, True]
+        assert told[0]["name"] == told[1]["name"] != ""
+        assert isinstance(script.send(SimpleNamespace()), Pause)
+        now_s[0] += 5.0 if where == "in a pause" else 60.0
+    with pytest.raises(Refused, match=r"The run was given up, since this program was silent for (5|60) s"):
+        script.send(None)
 
 
 def test_a_job_whose_client_gives_up_is_cancelled() -> None:

@@ -173,6 +173,24 @@ def test_a_motion_that_is_interrupted_is_stopped(ask: Ask, device: str, words: s
 
 
 @unix_only
+def test_a_run_that_was_paused_is_over(ask: Ask, device: str) -> None:
+    with begun(f"run --speed 500 --for 60 {device}", stderr=subprocess.PIPE) as process:
+        assert process.stderr is not None
+        assert "Ctrl+C stops it" in process.stderr.readline()
+        while json.loads(ask(f"status {device} --format json").out)["state"] != "moving":
+            pass
+        process.send_signal(signal.SIGSTOP)
+        while json.loads(ask(f"status {device} --format json").out)["state"] != "ready":
+            pass
+        place = json.loads(ask(f"status {device} --format json").out)["position_steps"]
+        process.send_signal(signal.SIGCONT)
+        said = process.stderr.read()
+        assert "The run was given up, since this program was silent for " in said
+    assert process.returncode == 1
+    assert json.loads(ask(f"status {device} --format json").out)["position_steps"] == place
+
+
+@unix_only
 def test_who_reads_may_have_read_enough() -> None:
     with begun("profile design.json --format csv", stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout is not None

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import time
 from contextlib import suppress
+from itertools import product
+from typing import Any
 
 import pytest
 
@@ -14,10 +16,12 @@ from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp import tracing
 from stepramp.controllers.stepramp.messages.motion import RunRequest, StopRequest
 from stepramp.controllers.stepramp.messages.settings import ReadSettingsRequest
-from stepramp.devices.leases import JOG_S, Lease
+from stepramp.devices.leases import JOG_S, Lease, Leases
 from stepramp.devices.registry import Devices
 from stepramp.devices.view import DeviceState
 from stepramp.errors import Refused, StepRampError
+
+ENDS = ("lapses", "stopped", "moved", "run by another")
 
 
 def test_a_lease_runs_out_and_is_not_brought_back() -> None:
@@ -98,6 +102,57 @@ def test_a_run_goes_on_for_as_long_as_its_lease_holds(devices: Devices, port: st
     assert device.view.position_steps > 200
     device.stop()
     wait_for(device, DeviceState.READY)
+
+
+@pytest.mark.parametrize(
+    ("ends", "when"),
+    # The thread of the port does motions one after the other: none comes in the midst.
+    [*product(ENDS, ("before", "after")), ("lapses", "in the midst"), ("stopped", "in the midst")],
+)
+def test_a_renewal_begins_nothing_whenever_the_lease_ends(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, ends: str, when: str
+) -> None:
+    bench.reset()
+    lease = Lease({0: 400.0}, 1e6, name="mine")
+    bench.device.run([AxisCommand(0, 400.0, "speed_steps_per_s")], lease)
+
+    def end() -> None:
+        if ends == "lapses":
+            lease.end()
+        elif ends == "stopped":
+            bench.device.stop()
+        elif ends == "moved":
+            bench.device.move_to([AxisCommand(0, 10, "to_steps")])
+        else:
+            bench.device.run([AxisCommand(0, 300.0, "speed_steps_per_s")], Lease({0: 300.0}, 1e6, name="other"))
+
+    def renew() -> None:
+        bench.device.renew_run(Lease({0: 400.0}, 1e6, name="mine"))
+
+    if when == "in the midst":
+        held_by = Leases.named
+
+        def named(*asked: Any) -> Lease | None:
+            held = held_by(*asked)
+            end()
+            return held
+
+        with monkeypatch.context() as patch, suppress(Refused):
+            patch.setattr(Leases, "named", named)
+            renew()
+    elif when == "before":
+        end()
+    else:
+        renew()
+        end()
+    begun = [kind for kind in bench.witness.seen if kind in MOTIONS]
+    bench.poll()
+    with pytest.raises(Refused):
+        renew()
+    bench.poll()
+    assert [kind for kind in bench.witness.seen if kind in MOTIONS] == begun
+    if ends in ("lapses", "stopped"):
+        assert StopRequest.KIND in bench.witness.seen
 
 
 def test_what_was_refused_takes_no_lease_away(bench: Bench) -> None:

@@ -105,6 +105,17 @@ def test_a_message_without_sense_ends_the_jog(client: TestClient, jog: str) -> N
             pass
 
 
+def test_a_jog_s_change_of_speed_that_comes_late_begins_nothing(client: TestClient, jog: str) -> None:
+    with opened(client, EVENTS) as events, opened(client, jog) as socket:
+        socket.send_json({"do": "run", "axis": 0, "speed_steps_per_s": 400})
+        while events.receive_json()["devices"][0]["state"] != "moving":
+            socket.send_json({"do": "hold"})
+        while events.receive_json()["devices"][0]["state"] != "ready":
+            pass
+        socket.send_json({"do": "run", "axis": 0, "speed_steps_per_s": 300})
+        assert "was not told to go on for 0.4 s" in socket.receive_json()["errors"][0]["message"]
+
+
 def mistaken(*_: object) -> Any:
     raise RuntimeError("a mistake of ours")
 

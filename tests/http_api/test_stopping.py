@@ -306,6 +306,31 @@ def test_a_run_ends_with_its_lease_and_goes_on_when_asked_again(client: TestClie
     assert client.get(route).json()["position_steps"] < 2000
 
 
+def test_a_run_that_has_slowed_down_is_not_renewed(client: TestClient, route: str) -> None:
+    run = {"speed_steps_per_s": 400, "for_s": 0.8, "name": "mine"}
+    again = run | {"renews": True}
+    assert "was given up" in error_of(client.post(f"{route}/run", json=again), 409)["message"]
+    assert client.post(f"{route}/run", json=run).json()["state"] == "moving"
+    for _ in range(4):
+        time.sleep(0.3)
+        assert client.post(f"{route}/run", json=again).json()["state"] == "moving"
+    assert "was given up" in error_of(client.post(f"{route}/run", json=again | {"name": "other"}), 409)["message"]
+    until(lambda: client.get(route).json()["state"] == "ready")
+    place = client.get(route).json()["position_steps"]
+    assert "was given up" in error_of(client.post(f"{route}/run", json=again), 409)["message"]
+    assert client.get(route).json()["state"] == "ready"
+    # Nor does it take over what somebody else runs by now, or come after a stop.
+    client.post(f"{route}/run", json={"speed_steps_per_s": 400, "for_s": 60})
+    assert "was given up" in error_of(client.post(f"{route}/run", json=again), 409)["message"]
+    client.post(f"{route}/run", json=run | {"for_s": 60})
+    client.post(f"{route}/stop")
+    assert client.post(f"{route}/run", json=again).status_code == 409
+    until(lambda: client.get(route).json()["state"] == "ready")
+    assert client.get(route).json()["position_steps"] > place
+    unnamed = error_of(client.post(f"{route}/run", json={"speed_steps_per_s": 400, "renews": True}), 422)
+    assert unnamed["field"] == "name"
+
+
 @pytest.mark.parametrize("for_s", [0, -1, 86_401, "long", None, 1e400])
 def test_leases_that_cant_be(client: TestClient, route: str, for_s: object) -> None:
     body = json.dumps({"speed_steps_per_s": 100, "for_s": for_s}).replace("Infinity", "1e400")

@@ -7,9 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 from time import monotonic
 from typing import Literal
 from urllib.parse import quote
+from uuid import uuid4
 
 from stepramp.client.calls import CONNECTING_S, PUSHING_S, QUICK_S, Call, Pause, Script, get, payload, post
 from stepramp.client.design_calls import ADesign
+from stepramp.errors import Refused
 from stepramp.http_api.backups_models import ArchiveAnswer, BackupsAnswer, RestoredAnswer, RestorePayload
 from stepramp.http_api.devices_models import (
     ConnectPayload,
@@ -158,12 +160,18 @@ def run(
     speed_steps_per_s: float | None = None,
     axes: Sequence[Mapping[str, float]] | None = None,
     for_s: float | None = None,
+    name: str | None = None,
+    renews: bool | None = None,
     wait_s: float | None = None,
     stops: int | None = None,
     key: str | None = None,
 ) -> Call[DeviceAnswer]:
-    """Run at speeds for so long, 2 s if nothing is said; asked again in time, it goes on. The others: see move."""
-    asked = {"speed_steps_per_s": speed_steps_per_s, "axes": _listed(axes), "for_s": for_s}
+    """Run at speeds for so long, 2 s if nothing is said. The others: see move.
+
+    name: another one for each run. renews: let the run of that name go on; refused once it has slowed down.
+    """
+    how = {"for_s": for_s, "name": name, "renews": renews}
+    asked = {"speed_steps_per_s": speed_steps_per_s, "axes": _listed(axes), **how}
     return _motion(device_id, "run", RunPayload, asked, wait_s, stops, key)
 
 
@@ -288,19 +296,36 @@ def run_for(
 ) -> Script[DeviceAnswer]:
     """Run an axis for so long, and wait until it rests. It slows down within 2 s of when whoever waits is gone.
 
-    After a stop, whoever asked for it, it is refused to go on.
+    After a stop, whoever asked for it, it is refused to go on; so once this program was silent for 2 s, as when it is
+    paused: then the motor has slowed down, and is not moved again.
     """
     if stops is None:
         known: DeviceAnswer = yield device(device_id)
         stops = known.stops
-    until_s = monotonic() + for_s
-    while (left_s := until_s - monotonic()) > 0:
-        asked_s = min(LEASE_S, max(left_s, 0.05))
-        axes = [{"axis": axis, "speed_steps_per_s": speed_steps_per_s}]
-        now: DeviceAnswer = yield run(device_id, axes=axes, for_s=asked_s, stops=stops)
+    axes, name = [{"axis": axis, "speed_steps_per_s": speed_steps_per_s}], uuid4().hex
+    begin_s = asked_s = monotonic()
+    until_s, held_until_s = begin_s + for_s, None
+    while (now_s := monotonic()) < until_s:
+        _refuse_silence(now_s, asked_s, held_until_s)
+        renews = None if held_until_s is None else True
+        asked_s, lasts_s = now_s, min(LEASE_S, max(until_s - now_s, 0.05))
+        now: DeviceAnswer = yield run(device_id, axes=axes, for_s=lasts_s, name=name, renews=renews, stops=stops)
+        held_until_s = asked_s + lasts_s
         tell(now)
         yield Pause(min(RENEWED_EVERY_S, max(0.0, until_s - monotonic())))
+    if held_until_s is not None and held_until_s < until_s:
+        _refuse_silence(now_s, asked_s, held_until_s)
     return (yield from until_rest(device_id, tell=tell))
+
+
+def _refuse_silence(now_s: float, asked_s: float, held_until_s: float | None) -> None:
+    """Refuse to go on with a run that has slowed down meanwhile: this program was paused, or had no turn.
+
+    The server refuses that, too; it can't tell for how long this program was silent.
+    """
+    if held_until_s is not None and now_s > held_until_s:
+        silent = f"{now_s - asked_s:,.3g} s"
+        raise Refused(f"The run was given up, since this program was silent for {silent}: the motor has slowed down.")
 
 
 def _path(device_id: str, what: str = "") -> str:

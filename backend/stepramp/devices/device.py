@@ -318,6 +318,10 @@ class Device:
         """
         self._motions.run(speeds, lease, request_number)
 
+    def renew_run(self, lease: Lease, request_number: int | None = None) -> None:
+        """Let a run go on as a new lease of the same name says; Refused once that which it runs on has run out."""
+        self._motions.renew_run(lease, request_number)
+
     def end_run(self, lease: Lease) -> None:
         """Slow axes down that run on a lease, before anything else that was asked for."""
         self._runs.end(lease)

@@ -14,7 +14,7 @@ class Lease:
 
     speeds: those of the axes that run on it, negative for backwards [steps/s]. lasts_s: how long, and how long again
     after each renewal [s]. page: whose it is, if a page's: it holds only while that page is in control. is_to_home:
-    they run until they have found their switches.
+    they run until they have found their switches. name: by which whoever asked for it renews it.
     """
 
     def __init__(
@@ -24,10 +24,12 @@ class Lease:
         page: str | None = None,
         *,
         is_to_home: bool = False,
+        name: str = "",
     ) -> None:
         self.speeds = {axis: speed for axis, speed in speeds.items() if speed}
         self.page = page
         self.is_to_home = is_to_home
+        self.name = name
         self._lasts_s = lasts_s
         self._lock = threading.Lock()
         self._until_s = monotonic() + lasts_s
@@ -42,13 +44,19 @@ class Lease:
         """Whether it holds when that page is in control, or none."""
         return self.holds and self.page in (None, in_control)
 
-    def renew(self) -> bool:
-        """Let it last as long again; return whether it still held."""
+    def renew(self, lasts_s: float | None = None) -> bool:
+        """Let it last as long again, or so long from now on [s]; return whether it still held."""
         with self._lock:
             held = monotonic() < self._until_s
             if held:
+                self._lasts_s = self._lasts_s if lasts_s is None else lasts_s
                 self._until_s = monotonic() + self._lasts_s
             return held
+
+    @property
+    def lasts_s(self) -> float:
+        """How long it lasts after it began, or was renewed [s]."""
+        return self._lasts_s
 
     def end(self) -> None:
         """Let it run out now."""
@@ -71,6 +79,13 @@ class Leases:
     def drop(self, axes: Iterable[int] | None = None) -> None:
         """Note that these axes, or all, no longer run."""
         self._of_axes = {} if axes is None else {axis: self._of_axes[axis] for axis in set(self._of_axes) - set(axes)}
+
+    def named(self, name: str, speeds: Mapping[int, float]) -> Lease | None:
+        """Return the lease of a name that axes run on at these speeds, and no others do; None without one."""
+        wanted = {axis: speed for axis, speed in speeds.items() if speed}
+        leases = {self._of_axes.get(axis) for axis in wanted}
+        lease = leases.pop() if len(leases) == 1 else None
+        return lease if lease is not None and lease.name == name and lease.speeds == wanted else None
 
     def run_out(self, in_control: str | None) -> list[int]:
         """Return the axes whose lease no longer holds, when that page is in control."""

@@ -18,7 +18,11 @@ from stepramp.devices.live_view import LiveView
 from stepramp.devices.permit import LetGo
 from stepramp.devices.setting_out import SettingOut
 from stepramp.devices.soft_limits import Span
+from stepramp.devices.view import DeviceState
 from stepramp.devices.watch import Watch
+from stepramp.errors import Refused
+
+GIVEN_UP = "The run was given up: it was not told to go on in time, and has slowed down. Begin it again."
 
 
 class Motions:
@@ -82,6 +86,21 @@ class Motions:
             controller.run(speeds)
 
         self._setting_out.begin(f"run at {_told(speeds)}", _axes_of(speeds), begin, request_number, lease)
+
+    def renew_run(self, lease: Lease, request_number: int | None) -> None:
+        """Let a run go on, as long from now as a new lease of the same name and speeds lasts.
+
+        Nothing is sent, and what has run out isn't brought back: who was silent for so long finds the motor at rest.
+        """
+
+        def renew(_: Controller) -> None:
+            self._control.refuse_without(lease.page)
+            held = self._leases.named(lease.name, lease.speeds)
+            runs = {axis.axis for axis in self._view.now.axes if axis.state is DeviceState.MOVING}
+            if held is None or not runs.issuperset(held.speeds) or not held.renew(lease.lasts_s):
+                raise Refused(GIVEN_UP)
+
+        self._setting_out.go_on(renew, request_number)
 
     def zero(self, axes: Collection[int], steps: int, request_number: int | None) -> None:
         """Call the places where axes are so many steps and move them to 0."""

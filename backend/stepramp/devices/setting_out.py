@@ -73,6 +73,16 @@ class SettingOut:
             raise
         self._view.log("%s: begun", what)
 
+    def go_on(self, renew: Callable[[Controller], None], request_number: int | None) -> None:
+        """Let what moves go on, if no stop has come since that was asked for. From any thread."""
+        at = self.moment(request_number)
+
+        def renewed(controller: Controller) -> None:
+            with self._permit.given(at):
+                renew(controller)
+
+        self._contact.ask(renewed)
+
     # From here on: in the thread of the port.
 
     def _refuse_untold(self) -> None:

@@ -72,7 +72,10 @@ class _Held:
             self.let_go()
             await tell_error(self._socket, error)
             return
-        if request.do == "run":
+        if request.do == "run" and self._lease is not None and not self._lease.holds:
+            # It was to get another speed, not to begin: what has slowed down is not set in motion by that.
+            await self._hold(self._lease)
+        elif request.do == "run":
             before, self._lease = self._lease, Lease({request.axis: request.command.value}, JOG_S, self._page)
             task = asyncio.create_task(self._begin(self._lease, before, request, request_number))
             self._beginning.add(task)

@@ -65,12 +65,18 @@ def there_and_back(request: ShuttlePayload, device: Acting, request_number: Requ
 def run(request: RunPayload, device: Acting, request_number: RequestNumber, page: Page) -> DeviceAnswer:
     """Run at speeds for so long, also from the midst of a move; asked again in time, it goes on. Then it slows down.
 
-    So a program that is gone leaves no motor running, nor does a page: what it runs ends with it. To run only as long
-    as somebody holds a button, open the WebSocket `/devices/{device_id}/jog` instead: send
+    So a program that is gone leaves no motor running, nor does a page: what it runs ends with it. Asked again without a
+    name, it begins anew if it has slowed down already. A program that may be held up names its run, and renews it by
+    that name: once it has slowed down, for whatever reason, that is refused (409), and nothing moves. To run only as
+    long as somebody holds a button, open the WebSocket `/devices/{device_id}/jog` instead: send
     `{"do": "run", "axis": 0, "speed_steps_per_s": 400}`, then `{"do": "hold"}` at least every 0.4 s. The axis slows
     down when that stops, when the socket closes, or at `{"do": "end"}`.
     """
-    device.run(request.commands, request.lease(page), request_number)
+    lease = request.lease(page)
+    if request.renews:
+        device.renew_run(lease, request_number)
+    else:
+        device.run(request.commands, lease, request_number)
     return DeviceAnswer.model_validate(device.view)
 
 

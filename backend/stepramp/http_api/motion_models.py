@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Annotated, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, StrictBool, model_validator
 
 from stepramp.controllers.axes import MOST_AXES, AxisNumber, AxisNumbersAsGiven
 from stepramp.controllers.contract import AxisCommand, Trace
@@ -13,7 +13,7 @@ from stepramp.devices.shuttle import Shuttle
 from stepramp.devices.soft_limits import Span
 from stepramp.errors import Limits
 from stepramp.http_api.answer import Answer, Numbers, WholeNumbers
-from stepramp.validation import Document, ListOf, ListOrNull, Within, refuse
+from stepramp.validation import Document, ListOf, ListOrNull, Text, Within, refuse
 
 LEAST_STEPS, MOST_STEPS = -(2**31), 2**31 - 1
 NOT_ZERO = ", but not 0"
@@ -130,14 +130,22 @@ class RunPayload(Motion):
         2.0, description="How long; then the axes slow down, unless it was asked again before [s]"
     )
 
+    name: Annotated[str, Text(100)] = Field("", description="Name of the run, to renew it by: another one for each run")
+    renews: StrictBool = Field(
+        False,
+        description="Let the run of this name go on, at the same speeds; refused once it has slowed down",
+    )
+
     @model_validator(mode="after")
     def _one_of_two(self) -> Self:
         _refuse_unless_one(self.axes, "speed_steps_per_s", self.speed_steps_per_s, "a speed in steps/s")
+        if self.renews and not self.name:
+            refuse("name", "", "the name that the run began with, since it is to be renewed")
         return self
 
     def lease(self, page: str | None) -> Lease:
         """Return what the axes run on, for whoever asks."""
-        return Lease({each.axis: each.value for each in self.commands}, self.for_s, page)
+        return Lease({each.axis: each.value for each in self.commands}, self.for_s, page, name=self.name)
 
     @property
     def commands(self) -> list[AxisCommand]:
