@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import settings
 
-from stepramp.data_folder import FOLDER_VARIABLE
+from stepramp.data_folder import FOLDER_VARIABLE, RUNTIME_VARIABLE
 
 # The first example of a test may compile what it tests; and no test judges by the clock.
 settings.register_profile("stepramp", deadline=None)
@@ -24,4 +24,5 @@ def _data_of_nobody() -> Iterator[None]:
     """Keep what outlasts the program, also of servers that tests start, out of anybody's home."""
     with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
         patch.setenv(FOLDER_VARIABLE, folder)
+        patch.setenv(RUNTIME_VARIABLE, folder)
         yield

@@ -5,6 +5,18 @@ from pathlib import Path
 
 FOLDER_VARIABLE = "STEPRAMP_DATA"
 """Names another folder for what is kept than the user's own."""
+RUNTIME_VARIABLE = "STEPRAMP_RUNTIME"
+"""Names another folder for what is told only while a program runs than the user's own."""
+
+
+def runtime_folder() -> Path:
+    """Return where programs of this user tell that they run, wherever each keeps its data."""
+    named = os.environ.get(RUNTIME_VARIABLE)
+    if named:
+        return Path(named)
+    import platformdirs  # noqa: PLC0415
+
+    return platformdirs.user_runtime_path("stepramp", appauthor=False)
 
 
 def data_folder() -> Path:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import socket
 import sys
 from collections.abc import Iterator
@@ -11,7 +12,15 @@ from pathlib import Path
 import pytest
 
 from stepramp.client.servers import Server, named, noted, running
+from stepramp.data_folder import RUNTIME_VARIABLE
 from stepramp.errors import Rejected
+
+
+@pytest.fixture(autouse=True)
+def runtime(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    folder = tmp_path / "runtime"
+    monkeypatch.setenv(RUNTIME_VARIABLE, str(folder))
+    return folder
 
 
 @pytest.fixture
@@ -35,6 +44,19 @@ def test_a_server_is_found_as_long_as_it_runs_and_its_token_is_its_user_s_alone(
         if sys.platform != "win32":
             assert note.stat().st_mode & 0o777 == 0o600
     assert running(tmp_path) == []
+
+
+@pytest.mark.parametrize("taken_away", ["data", "runtime"])
+def test_a_server_is_found_whatever_its_data_folder_is(
+    listening: socket.socket, tmp_path: Path, runtime: Path, taken_away: str
+) -> None:
+    server = Server(url_of(listening))
+    with noted(server, tmp_path / "data"):
+        assert running(tmp_path / "other") == [server]
+        shutil.rmtree(tmp_path / "data" if taken_away == "data" else runtime)
+        assert running(tmp_path / "data") == [server]
+    with noted(server, Path("/dev/null")):
+        assert running(tmp_path / "data") == [server]
 
 
 def test_the_one_that_began_last_comes_first(listening: socket.socket, tmp_path: Path) -> None:
@@ -76,7 +98,8 @@ def test_a_server_is_named_by_its_address_its_link_or_the_surroundings(monkeypat
             named(wrong, field="--server")
 
 
-def test_a_folder_that_can_t_be_written_to_keeps_no_server_from_running(tmp_path: Path) -> None:
+def test_a_folder_that_can_t_be_written_to_keeps_no_server_from_running(tmp_path: Path, runtime: Path) -> None:
     (tmp_path / "servers").write_text("")
+    runtime.write_text("")
     with noted(Server("http://127.0.0.1:1"), tmp_path):
         assert running(tmp_path) == []

@@ -17,7 +17,7 @@ from controllers.grbl.emulator import GrblOnACable
 from designs import document
 from server_process import ServerProcess
 from stepramp.command_line.main import main
-from stepramp.data_folder import FOLDER_VARIABLE
+from stepramp.data_folder import FOLDER_VARIABLE, RUNTIME_VARIABLE
 
 
 @dataclass(frozen=True)
@@ -78,6 +78,7 @@ def server(data: Path) -> Iterator[str]:
     """Return the address of a server of this module, which commands find by its note."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(FOLDER_VARIABLE, str(data))
+        patch.setenv(RUNTIME_VARIABLE, str(data))
         with ServerProcess(8750) as running:
             yield urlunsplit(running.address).rstrip("/")
             running.process.terminate()
@@ -97,3 +98,4 @@ def grbl(server: str) -> Iterator[str]:
 def alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Have no server found."""
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "data"))
+    monkeypatch.setenv(RUNTIME_VARIABLE, str(tmp_path / "data"))

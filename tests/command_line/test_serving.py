@@ -14,8 +14,8 @@ from event_loop import run
 from server_process import ServerProcess
 from stepramp.client.health import are_well
 from stepramp.command_line.main import main
-from stepramp.command_line.serving import free_port, port_number, public_url
-from stepramp.data_folder import FOLDER_VARIABLE
+from stepramp.command_line.serving import free_port, port_number, public_url, usable_data_folder
+from stepramp.data_folder import FOLDER_VARIABLE, RUNTIME_VARIABLE
 from stepramp.errors import Rejected
 from tools import require
 
@@ -71,6 +71,20 @@ def test_a_level_of_the_log_that_is_none_is_refused(capsys: pytest.CaptureFixtur
     assert main(["--log-level", "loud", "--no-browser"]) == 2
     allowed = "critical, error, warning, info, debug"
     assert capsys.readouterr().err == f"stepramp: --log-level is 'loud'; allowed: {allowed}.\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a file of Unix")
+def test_what_can_be_no_data_folder_is_refused_by_its_name(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    for name in ("/dev/null", "/dev/null/data"):
+        assert main(["serve", "--data-folder", name]) == 2
+        told = f"stepramp: --data-folder is '{name}'; allowed: a folder that can be written.\n"
+        assert capsys.readouterr().err == told
+    monkeypatch.setenv(FOLDER_VARIABLE, "/dev/null")
+    assert main(["serve"]) == 2
+    assert capsys.readouterr().err.startswith("stepramp: STEPRAMP_DATA is '/dev/null'; allowed: a folder")
+    assert usable_data_folder(str(tmp_path / "new")) == tmp_path / "new"
 
 
 @pytest.mark.parametrize("host", ["nowhere.example", "", "256.1.1.1", "192.0.2.250", "127.0.0.1:80", "localhost"])
@@ -193,9 +207,10 @@ def test_at_all_addresses_the_links_are_such_as_others_can_open(tmp_path: Path) 
         assert f"//{server.address.netloc}/?token=" in server.process.stdout.readline()
 
 
-def test_a_folder_that_cannot_be_written_is_told_in_a_line(tmp_path: Path) -> None:
+def test_folders_that_cannot_be_written_are_told_in_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A file, as root may write to any folder."""
     (tmp_path / "servers").write_text("")
+    monkeypatch.setenv(RUNTIME_VARIABLE, str(tmp_path))
     with ServerProcess(8800, "--data-folder", str(tmp_path)) as server:
         server.process.terminate()
         [told] = server.ended().splitlines()

@@ -8,12 +8,12 @@ import os
 import socket
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from urllib.parse import parse_qsl, urlsplit
 
-from stepramp.data_folder import data_folder
+from stepramp.data_folder import data_folder, runtime_folder
 from stepramp.errors import Rejected, Rejection
 
 if sys.platform != "win32":
@@ -67,40 +67,53 @@ def named(url: str | None = None, token: str | None = None, field: str = "url") 
 
 
 def running(data: Path | None = None) -> list[Server]:
-    """Return the servers of this machine that run, the one that began last first.
+    """Return the servers of this machine that run, the one that began last first, wherever they keep their data.
 
-    data: the folder where they keep what outlasts them; None: the user's own.
+    data: a folder where servers keep what outlasts them, which is looked at besides; None: the user's own.
     """
-    folder = (data or data_folder()) / _FOLDER
-    try:
-        notes = sorted(folder.glob("*.json"), key=lambda note: note.stat().st_mtime_ns, reverse=True)
-    except OSError:  # One has just ended.
-        notes = list(folder.glob("*.json"))
-    servers = (_read(note) for note in notes)
-    return [server for server in servers if server is not None and _answers(server.place)]
+    notes = [note for folder in _folders(data) for note in folder.glob("*.json")]
+    with suppress(OSError):  # One has just ended.
+        notes.sort(key=lambda note: note.stat().st_mtime_ns, reverse=True)
+    servers = dict.fromkeys(server for note in notes if (server := _read(note)) is not None)
+    return [server for server in servers if _answers(server.place)]
+
+
+def _folders(data: Path | None) -> list[Path]:
+    """Return where notes are: where all servers of a user tell that they run, and beside the data of each.
+
+    The former may be taken away when the user logs out, though a server goes on.
+    """
+    return list(dict.fromkeys([runtime_folder() / _FOLDER, (data or data_folder()) / _FOLDER]))
 
 
 @contextmanager
 def noted(server: Server, data: Path | None = None) -> Iterator[None]:
     """Leave a note of a server as long as the context lasts. Nobody but its user may read it: it has the token.
 
-    A folder that can't be written to leaves the server without a note, which is told, and keeps it from nothing.
+    Where no folder can be written to, the server has no note, which is told and keeps it from nothing.
     """
-    folder = (data or data_folder()) / _FOLDER
+    with ExitStack() as notes:
+        refusals = [notes.enter_context(_noted_in(folder, server)) for folder in _folders(data)]
+        if all(refusals):
+            print(
+                f"{refusals[-1]}: commands of this machine have to be told where this server is, by --server or "
+                f"{URL_VARIABLE}.",
+                file=sys.stderr,
+                flush=True,
+            )
+        yield
+
+
+@contextmanager
+def _noted_in(folder: Path, server: Server) -> Iterator[str | None]:
+    """Leave a note in a folder; yield why there is none, or None."""
     note = folder / f"{server.place[1]}.json"
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         unfinished = folder / f".{server.place[1]}.{os.getpid()}"
         descriptor = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
     except OSError as error:
-        why = error.strerror or error
-        print(
-            f"{folder} has no note of it ({why}): commands of this machine have to be told where this server is, by "
-            f"--server or {URL_VARIABLE}.",
-            file=sys.stderr,
-            flush=True,
-        )
-        yield
+        yield f"{folder} has no note of it ({error.strerror or error})"
         return
     with os.fdopen(descriptor, "w", encoding="utf-8") as file:
         if sys.platform != "win32":
@@ -111,7 +124,7 @@ def noted(server: Server, data: Path | None = None) -> Iterator[None]:
             file.close()
         unfinished.replace(note)
         try:
-            yield
+            yield None
         finally:
             with suppress(OSError):
                 note.unlink()

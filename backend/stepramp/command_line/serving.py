@@ -16,12 +16,14 @@ from pathlib import Path
 from typing import Self
 
 from stepramp.client.servers import Server, noted
+from stepramp.data_folder import FOLDER_VARIABLE
 from stepramp.errors import Rejected, Rejection
 from stepramp.link.remote_ports import KEYS_VARIABLE, RemotePorts
 
 LOOPBACK = "127.0.0.1"
 FIRST_PORT = 8000
 PORTS_TRIED = 100
+A_FOLDER = "a folder that can be written"
 LOG_LEVELS = ("critical", "error", "warning", "info", "debug")
 SWITCH_S = 0.0005
 """After so long a thread that computes in Python lets another go on [s]. A stop wakes several, one after the other."""
@@ -69,6 +71,23 @@ def public_url(text: str) -> str:
         pass
     allowed = "http:// or https://, a host, and its port if it has one, as https://lab.example"
     raise Rejected([Rejection("--public-url", text, allowed)])
+
+
+def usable_data_folder(named: str | None) -> Path | None:
+    """Return the folder that is named for data, None for the user's own. Raises Rejected for what can't be one.
+
+    One that is there is taken, full or not to be written to: the page works without its library.
+    """
+    field, name = ("--data-folder", named) if named is not None else (FOLDER_VARIABLE, os.environ.get(FOLDER_VARIABLE))
+    if not name:
+        if named is not None:
+            raise Rejected([Rejection(field, named, A_FOLDER)])
+        return None
+    try:
+        Path(name).mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError):
+        raise Rejected([Rejection(field, name, A_FOLDER)]) from None
+    return None if named is None else Path(named)
 
 
 @dataclass(frozen=True)
@@ -220,8 +239,8 @@ def begin(options: "Options") -> None:
     remote_ports = RemotePorts.named(options.allow_remote_port, os.environ.get(KEYS_VARIABLE, ""))
     tls = Tls.named(options.certfile, options.keyfile)
     public = None if options.public_url is None else public_url(options.public_url)
+    data = usable_data_folder(options.data_folder)
     listener = free_port(port_number(options.port), options.host)
-    data = None if options.data_folder is None else Path(options.data_folder)
     with suppress(KeyboardInterrupt):  # Ended before there was a server.
         serve(
             listener,
