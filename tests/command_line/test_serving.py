@@ -197,7 +197,8 @@ def test_it_is_spoken_to_over_tls_with_the_token_that_it_prints(
         monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
         assert main(["devices", "--server", f"http://127.0.0.1:{server.address.port}"]) == 3
         server.process.terminate()
-        assert server.ended() == ""
+        [told] = server.ended().splitlines()
+        assert "127.0.0.1 asked without a token of this server: 'GET /api/v1/access'" in told
 
 
 def test_at_all_addresses_the_links_are_such_as_others_can_open(tmp_path: Path) -> None:

@@ -63,11 +63,11 @@ def test_what_is_known_of_a_device_has_an_age_by_the_servers_clock(modules: Modu
         [1004.4, None],
         [1004.5, told("moving", 0.1)],
     ]
-    assert modules.evaluate(script, happens) == [{}, {}, {"1": 2}, {"1": 4}, {}]
-    assert modules.evaluate(script, [[5, told("lost", 60.2)], [6, None]]) == [{"1": 60}, {"1": 61}]
+    assert modules.evaluate(script, happens) == [{}, {}, {"1": 3}, {"1": 6}, {}]
+    assert modules.evaluate(script, [[5, told("lost", 60.2)], [6, None]]) == [{"1": 61}, {"1": 62}]
     assert modules.evaluate(script, [[5, told("connecting", None)], [99, None]]) == [{}, {}]
     # Of what is being written the server hears all the time, but not where its axes are; they rest.
-    assert modules.evaluate(script, [[5, told("writing", 40)], [8, None]]) == [{}, {"1": 3}]
+    assert modules.evaluate(script, [[5, told("writing", 40)], [8, None]]) == [{}, {"1": 4}]
 
 
 def test_what_moved_when_the_server_ended_is_told_until_it_says_itself_what_it_does(modules: Modules) -> None:
