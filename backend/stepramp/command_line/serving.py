@@ -272,7 +272,7 @@ class Options:
 def names_elsewhere(host: str) -> list[str]:
     """Return how the server is reached from other machines where it listens to all of them: address, and name.
 
-    None where it listens at one address, or where this machine knows of none of its own.
+    Empty where it listens at one address.
     """
     if not ipaddress.ip_address(host).is_unspecified:
         return []
