@@ -6,20 +6,26 @@ import csv
 import io
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
+import stepramp
 from command_line.conftest import Ask, begun
 from designs import design, document
 from stepramp.command_line.main import main
+from stepramp.command_line.motion import stopping
 from stepramp.command_line.pushing import backups
 from stepramp.design import Design
+from stepramp.errors import NoServer
 from stepramp.http_api.backups_models import BackupAnswer, BackupsAnswer
+from stepramp.methods import METHODS
 from stepramp.ramp.profile import profile_of
 
 pytestmark = pytest.mark.usefixtures("server", "folder")
@@ -59,8 +65,8 @@ def test_a_design_may_come_over_standard_input(ask: Ask, monkeypatch: pytest.Mon
         ("profile", 2, "DESIGN is missing; allowed: file with a design document"),
         ("profile design.json --format xml", 2, "--format is 'xml'; allowed: table, csv, json."),
         ("profile design.json --loud", 2, "--loud is no option of `stepramp profile`; allowed: --alone, --format"),
-        ("errors design.json --method best", 2, "methods.0 is 'best'; allowed: "),
-        ("fit design.json", 2, "--rows is missing; allowed: exactly one of rows, largest_relative_error, bytes"),
+        ("errors design.json --method best", 2, "--method is 'best'; allowed: "),
+        ("fit design.json", 2, "--rows is missing; allowed: exactly one of --rows, --error, --bytes"),
         ("fit design.json --error 2", 2, "--error is 2.0; allowed: a number from 1e-06 to 1"),
         ("play design.json --range 9 --target now", 2, "--target is 'now'; allowed: an instant [µs], a colon and"),
         ("run --speed 400 --for 0", 2, "--for is 0.0; allowed: a number from 0.05 to 86,400 s."),
@@ -81,6 +87,41 @@ def test_a_refusal_names_the_option_or_field_and_what_is_allowed(
     came_to = ask(words)
     assert (came_to.code, came_to.out) == (code, "")
     assert came_to.err.startswith(f"stepramp: {told}"), came_to.err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "profile design.json --points 0",
+        "profile design.json --points 99999999999999999999999",
+        "errors design.json --method newton --reference best",
+        "fit design.json --rows 3 --bytes 9",
+        "fit design.json --bytes 0",
+        "play design.json --range 0 --target 0:5",
+        "schedule design.json --spacing -1",
+        "torque motor.json --speed -1",
+        "simulate motor.json --points 0",
+        "map motor.json --range 5",
+        "map motor.json --range 9 --range 5",
+        "map motor.json --cells 9",
+        "move",
+        "move --by 3 --to 4",
+        "move --by 99999999999",
+        "move --by 5 --no-wait --alone",
+        "run --speed 5 --for 1 --axis 9",
+        "home --fast 0 --slow 5",
+        "home --fast 5 --slow 0 --back-off 0 --within 0",
+        "designs list --most 0",
+    ],
+)
+def test_a_refusal_names_nothing_but_what_a_command_takes(ask: Ask, words: str) -> None:
+    told = ask(words)
+    assert (told.code, told.out) == (2, "")
+    for line in told.err.removeprefix("stepramp: ").splitlines():
+        assert line.startswith("--"), line
+        assert "null" not in line
+        named = set(re.findall(r"[a-z]+_[a-z_]+", line))
+        assert named <= set(METHODS), line
 
 
 def test_a_push_needs_a_yes_where_nobody_can_be_asked(ask: Ask, device: str) -> None:
@@ -188,6 +229,78 @@ def test_a_run_that_was_paused_is_over(ask: Ask, device: str) -> None:
         assert "The run was given up, since this program was silent for " in said
     assert process.returncode == 1
     assert json.loads(ask(f"status {device} --format json").out)["position_steps"] == place
+
+
+@unix_only
+def test_an_output_that_can_t_be_written_is_told_in_a_line(ask: Ask, device: str) -> None:
+    before = json.loads(ask(f"status {device} --format json").out)["position_steps"]
+    closed = "import os, sys; os.close(1); os.execv(sys.executable, [sys.executable, '-m', 'stepramp', *sys.argv[1:]])"
+    words = [sys.executable, "-c", closed, *f"move --by 50 {device}".split()]
+    path = str(Path(stepramp.__file__).parents[1])
+    done = subprocess.run(words, check=False, env={**os.environ, "PYTHONPATH": path}, stderr=subprocess.PIPE, text=True)
+    told = "stepramp: standard output is 'closed'; allowed: one that can be written.\n"
+    assert (done.returncode, done.stderr) == (2, told)
+    assert json.loads(ask(f"status {device} --format json").out)["position_steps"] == before
+    with Path("/dev/full").open("w") as full:
+        with begun("profile design.json --format csv", stdout=full.fileno(), stderr=subprocess.PIPE) as process:
+            assert process.stderr is not None
+            assert process.stderr.read() == ("stepramp: Standard output can't be written: No space left on device.\n")
+        assert process.returncode == 1
+        with begun("stop", stdout=full.fileno(), stderr=subprocess.PIPE) as process:
+            assert process.stderr is not None
+            assert process.stderr.read() == ""
+        assert process.returncode == 0
+
+
+@unix_only
+def test_a_trace_that_can_t_be_written_does_not_undo_the_move(ask: Ask, device: str) -> None:
+    before = json.loads(ask(f"status {device} --format json").out)["position_steps"]
+    told = ask(f"move --by 20 --trace /dev/full {device} --format json")
+    assert (told.code, json.loads(told.out)["position_steps"]) == (1, before + 20)
+    assert "The move was made, its trace wasn't written: --trace is '/dev/full'; allowed: " in told.err
+
+
+@unix_only
+def test_a_move_that_another_came_after_says_so_and_keeps_its_trace(ask: Ask, device: str) -> None:
+    with begun(f"move --by 400 --trace first.csv {device}", stderr=subprocess.PIPE) as process:
+        assert process.stderr is not None
+        assert "Ctrl+C stops it" in process.stderr.readline()
+        while json.loads(ask(f"status {device} --format json").out)["state"] != "moving":
+            pass
+        assert ask(f"move --by 30 {device}").code == 0
+        assert "Another motion came after this move: the axis rests at " in process.stderr.read()
+    assert process.returncode == 1
+    assert Path("first.csv").exists()
+
+
+def test_who_loses_the_server_is_told_at_once_what_to_do(capsys: pytest.CaptureFixture[str]) -> None:
+    told: list[str] = []
+
+    def stop(_: str) -> None:
+        told.append(capsys.readouterr().err)
+        raise NoServer("No server answers at http://a.")
+
+    where: Any = SimpleNamespace(client=SimpleNamespace(stop=stop))
+    there: Any = SimpleNamespace(id="1", port="/dev/tty A", family="grbl")
+    with pytest.raises(NoServer), stopping(where, there):
+        raise NoServer("The server at http://a has not answered, or not to the end.")
+    assert "The motor may still move: the stop is asked for" in told[0]
+    assert "stepramp stop --port '/dev/tty A' --family grbl" in told[0]
+    assert "THE STOP WAS NOT CONFIRMED" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("run --speed 0 --for 1", "--speed is 0.0; allowed: a number of steps/s, but not 0."),
+        ("run --speed 1e9 --for 1", "--speed is 1000000000.0; allowed: a number from -1,000,000"),
+        ("status --watch --for -1", "--for is -1.0; allowed: a number from 0 to 86,400 s."),
+    ],
+)
+def test_what_can_be_known_is_refused_before_a_port_is_opened(ask: Ask, words: str, told: str) -> None:
+    came_to = ask(f"{words} --port /dev/absent")
+    assert (came_to.code, came_to.out) == (2, "")
+    assert told in came_to.err
 
 
 @unix_only

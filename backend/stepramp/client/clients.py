@@ -301,4 +301,4 @@ def _read(call: Call[A], response: httpx2.Response, server: Server) -> A:
 def _lost(server: Server, error: httpx2.TransportError) -> NoServer:
     if isinstance(error, httpx2.ConnectError | httpx2.ConnectTimeout):
         return NoServer(f"No server answers at {server.url}.")
-    return NoServer(f"The server at {server.url} has not answered ({type(error).__name__}).")
+    return NoServer(f"The server at {server.url} has not answered, or not to the end.")

@@ -11,7 +11,7 @@ from uuid import uuid4
 
 from stepramp.client.calls import CONNECTING_S, PUSHING_S, QUICK_S, Call, Pause, Script, get, payload, post
 from stepramp.client.design_calls import ADesign
-from stepramp.errors import Refused
+from stepramp.errors import Refused, Rejected, Rejection
 from stepramp.http_api.backups_models import ArchiveAnswer, BackupsAnswer, RestoredAnswer, RestorePayload
 from stepramp.http_api.devices_models import (
     ConnectPayload,
@@ -299,6 +299,7 @@ def run_for(
     After a stop, whoever asked for it, it is refused to go on; so once this program was silent for 2 s, as when it is
     paused: then the motor has slowed down, and is not moved again.
     """
+    refuse_rest(speed_steps_per_s)
     if stops is None:
         known: DeviceAnswer = yield device(device_id)
         stops = known.stops
@@ -316,6 +317,12 @@ def run_for(
     if held_until_s is not None and held_until_s < until_s:
         _refuse_silence(now_s, asked_s, held_until_s)
     return (yield from until_rest(device_id, tell=tell))
+
+
+def refuse_rest(speed_steps_per_s: float) -> None:
+    """Refuse to run at no speed. Raises Rejected."""
+    if speed_steps_per_s == 0:
+        raise Rejected([Rejection("speed_steps_per_s", speed_steps_per_s, "a number of steps/s, but not 0")])
 
 
 def _refuse_silence(now_s: float, asked_s: float, held_until_s: float | None) -> None:

@@ -40,7 +40,8 @@ def run(words: Sequence[str]) -> int:
     try:
         made = _light() if words[:1] == ["serve"] or words == ["--version"] else program()
         code = made(words, prog_name=NAME, standalone_mode=False)
-        sys.stdout.flush()
+        if sys.stdout is not None:  # It may be closed.
+            sys.stdout.flush()
         return code if isinstance(code, int) else OK
     except StepRampError as error:
         return _told(str(error), _code_of(error))
@@ -51,6 +52,13 @@ def run(words: Sequence[str]) -> int:
 
         drop_output()
         return OK
+    except OSError as error:
+        if error.filename is not None:
+            raise
+        from stepramp.command_line.output import drop_output  # noqa: PLC0415
+
+        drop_output()
+        return _told(f"Standard output can't be written: {error.strerror}.", FAILED)
     except Exception as error:
         # Typer's own, whatever it is called in its version: an option that there isn't, an argument that is missing.
         if not hasattr(error, "format_message"):
@@ -106,5 +114,6 @@ def _in_words(error: Any) -> str:
 
 
 def _told(words: str, code: int) -> int:
-    print(f"{NAME}: {words}", file=sys.stderr, flush=True)
+    if sys.stderr is not None:
+        print(f"{NAME}: {words}", file=sys.stderr, flush=True)
     return code

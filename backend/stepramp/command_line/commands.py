@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import typer
 
-from stepramp.command_line.output import drop_output
+from stepramp.command_line.output import drop_output, refuse_closed_output
 from stepramp.command_line.where import Where
 from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.devices_models import DeviceAnswer
@@ -53,6 +53,7 @@ def command(app: typer.Typer, name: str, *, example: str, group: str = "") -> Ca
 
         def run(**given: Any) -> None:
             try:
+                refuse_closed_output()
                 values = {name: readers[name](given[name]) if name in readers else given[name] for name in given}
                 _call(function, values)
             except Rejected as error:
@@ -77,8 +78,23 @@ def renamed(error: Rejected, labels: dict[str, str]) -> Rejected:
     rejections = []
     for each in error.rejections:
         field = each.field.removeprefix("design.").removeprefix("axes.0.")
-        rejections.append(replace(each, field=labels.get(field, field)))
+        # What may be given several times is counted over HTTP: its value says which it is.
+        name = re.sub(r"(\.[0-9]+)?$", "", field)
+        is_own = name in labels and not each.field.startswith("design.")
+        allowed = _in_options(each.allowed, labels) if is_own or field != each.field else each.allowed
+        rejections.append(replace(each, field=labels[name] if is_own else field, allowed=allowed))
     return Rejected(rejections, error.more)
+
+
+def _in_options(allowed: str, labels: dict[str, str]) -> str:
+    """Return what is allowed in the words of the command line: what there is null is left out here."""
+    allowed = re.sub(r",? or null\b( for)?", lambda found: "; leave it out for" if found[1] else "", allowed)
+    fields = "|".join(name for name, label in labels.items() if label.startswith("--"))
+    if allowed.startswith("exactly one of "):
+        return re.sub(rf"\b({fields})\b", lambda found: labels[found[0]], allowed)
+    # Other words, as rows or bytes, are also what is counted.
+    given = rf"\b({fields})\b(?= is given| has )|\b(?:{fields})(?<=_steps)\b"
+    return re.sub(given, lambda found: labels[found[0]], allowed)
 
 
 def _call(function: Callable[..., None], values: dict[str, Any]) -> None:
@@ -161,6 +177,8 @@ def _reading(label: str, read: Callable[[str, str], object]) -> Callable[[Any], 
 def _whole(label: str, text: str) -> int:
     if re.fullmatch(r"[+-]?[0-9]{1,18}", text):
         return int(text)
+    if re.fullmatch(r"[+-]?[0-9]+", text):
+        raise Rejected([Rejection(label, text, "a whole number of up to 18 digits")])
     raise Rejected([Rejection(label, text, "a whole number")])
 
 

@@ -13,6 +13,7 @@ from stepramp.command_line.where import Where
 from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.devices_models import DeviceAnswer, DevicesAnswer
 
+LONGEST_WATCH_S = 86_400
 SEEN_EVERY_S = 0.2
 AXIS_COLUMNS = ("device", "axis", "state", "position [steps]", "target [steps]", "speed [steps/s]", "limits [steps]")
 
@@ -70,6 +71,8 @@ def status(
     """Show where the axes of a device are, and what they do."""
     if for_s is not None and not watch:
         raise Rejected([Rejection("--for", for_s, "nothing without --watch")])
+    if for_s is not None and not 0 <= for_s <= LONGEST_WATCH_S:
+        raise Rejected([Rejection("--for", for_s, f"a number from 0 to {LONGEST_WATCH_S:,} s")])
     device = find()
     warn([device.message] if device.message else [])
     if watch:

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import shlex
 import signal
 import threading
 import time
@@ -13,12 +14,13 @@ from typing import Annotated, Any
 import typer
 
 from stepramp.client import device_calls
+from stepramp.client.clients import STOP_WITHIN_S
 from stepramp.command_line.commands import Find, command
 from stepramp.command_line.device_list import axes_of
 from stepramp.command_line.exit_codes import FAILED
 from stepramp.command_line.files import write
 from stepramp.command_line.output import Format, Rows, progress, show, tell, warn
-from stepramp.command_line.stop import places_of
+from stepramp.command_line.stop import USUAL_FAMILY, places_of
 from stepramp.command_line.where import Where
 from stepramp.errors import DeviceLost, NoServer, Refused, Rejected, Rejection, StepRampError
 from stepramp.http_api.devices_models import AxisAnswer, DeviceAnswer
@@ -63,7 +65,7 @@ def move(
     if no_wait and trace_file is not None:
         raise Rejected([Rejection("--no-wait", True, "nothing with --trace")])
     if no_wait and where.is_alone:
-        allowed = "a server that goes on: the end of this program stops what it has set in motion"
+        allowed = "nothing without a server: as it ends, this program stops what it has set in motion"
         raise Rejected([Rejection("--no-wait", True, allowed)])
     device = find()
     planned = device_calls.move(device.id, axes=[asked], stops=device.stops)
@@ -79,12 +81,18 @@ def move(
         with progress("Move") as told:
             rested = client.until_rest(device.id, tell=_part(axis, device, told))
         traced = None if trace_file is None else _whole_trace(where, device.id)
-    _refuse_other_end(rested, now, axis)
+    not_written = None
     if traced is not None and trace_file is not None:
         _warn_of(traced)
-        write(trace_file, _as_csv(traced), "--trace")
+        try:
+            write(trace_file, _as_csv(traced), "--trace")
+        except Rejected as error:
+            not_written = f"The move was made, its trace wasn't written: {error}"
     if trace_file != "-":
         show(format, rested, axes_of(rested))
+    _refuse_other_end(rested, now, axis)
+    if not_written is not None:
+        raise Refused(not_written)
 
 
 def run(
@@ -101,6 +109,8 @@ def run(
     """
     if not 0.05 <= for_s <= 86_400:
         raise Rejected([Rejection("--for", for_s, "a number from 0.05 to 86,400 s")])
+    device_calls.refuse_rest(speed_steps_per_s)
+    device_calls.run("", axes=[{"axis": axis, "speed_steps_per_s": speed_steps_per_s}])
     device, begin_s = find(), time.monotonic()
     with stopping(where, device):
         tell(
@@ -176,6 +186,9 @@ def stopping(where: Where, device: DeviceAnswer) -> Iterator[None]:
                 raise
             # A reflex presses Ctrl+C twice: the stop isn't given up by that.
             with _signals(signal.SIG_IGN):
+                if isinstance(error, NoServer):
+                    tell(f"{error} The motor may still move: the stop is asked for, for up to {STOP_WITHIN_S:g} s.")
+                    tell(f"If the server is gone: {_how_to_stop(device)}")
                 _stop(where, device, is_told=isinstance(error, KeyboardInterrupt))
             raise
 
@@ -185,11 +198,17 @@ def _stop(where: Where, device: DeviceAnswer, *, is_told: bool) -> None:
     try:
         stopped = where.client.stop(device.id)
     except StepRampError as error:
-        tell(f"THE STOP WAS NOT CONFIRMED: {error}")
+        tell(f"THE STOP WAS NOT CONFIRMED: {error} The motor may go on: look with `stepramp status`, and stop it with")
+        tell(_how_to_stop(device))
         return
     if is_told:
         axes = ((each.axis, each.position_steps if each.position_told else None) for each in stopped.axes)
         tell(f"stopped: {device.port}{places_of(axes)}")
+
+
+def _how_to_stop(device: DeviceAnswer) -> str:
+    family = "" if device.family == USUAL_FAMILY else f" --family {device.family}"
+    return f"stepramp stop --port {shlex.quote(device.port)}{family}"
 
 
 @contextmanager
@@ -238,7 +257,10 @@ def _refuse_other_end(rested: DeviceAnswer, began: DeviceAnswer, axis: int) -> N
     if rested.state == "lost" or end is None:
         raise Refused(f"The device was lost while it moved: {rested.message}")
     if target is not None and began.state == "moving" and end.position_steps != target.target_steps:
-        raise Refused(f"The move ended at {end.position_steps:,}, not at {target.target_steps:,} steps.")
+        places = f"at {end.position_steps:,}, not at {target.target_steps:,} steps"
+        if rested.stopped_by:
+            raise Refused(f"The move ended {places}.")
+        raise Refused(f"Another motion came after this move: the axis rests {places}.")
 
 
 def _whole_trace(where: Where, device_id: str) -> TraceAnswer:

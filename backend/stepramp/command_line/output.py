@@ -16,6 +16,8 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 from rich.table import Table
 from rich.text import Text
 
+from stepramp.errors import Rejected, Rejection
+
 FormatName = Literal["table", "csv", "json"]
 Format = Annotated[
     FormatName,
@@ -80,7 +82,14 @@ def figure(value: object) -> str:
 
 def tell(words: str) -> None:
     """Tell something that is no result."""
-    print(f"stepramp: {words}", file=sys.stderr, flush=True)
+    if sys.stderr is not None:  # It may be closed; print would take standard output then.
+        print(f"stepramp: {words}", file=sys.stderr, flush=True)
+
+
+def refuse_closed_output() -> None:
+    """Refuse a standard output that is closed before anything is done. Raises Rejected."""
+    if sys.stdout is None:
+        raise Rejected([Rejection("standard output", "closed", "one that can be written")])
 
 
 def drop_output() -> None:

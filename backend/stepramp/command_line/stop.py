@@ -4,6 +4,7 @@ What can't be understood of it stops everything all the same, and is told afterw
 """
 
 import json
+import os
 import sys
 import threading
 from collections.abc import Iterable, Sequence
@@ -150,9 +151,9 @@ def _told(server: Server, status: int, answer: dict[str, Any]) -> int:
         else:
             places = places_of((axis["axis"], _position_of(axis)) for axis in device["axes"])
             said = "Asked to stop" if device["state"] == "moving" else "Stopped"
-            print(f"{said}: device {device['id']} at {device['port']}, {device['state']}{places}.", flush=True)
+            _say(f"{said}: device {device['id']} at {device['port']}, {device['state']}{places}.")
     if not devices:
-        print(f"Stopped: the server at {server.url}, which has no device.", flush=True)
+        _say(f"Stopped: the server at {server.url}, which has no device.")
     return code
 
 
@@ -178,7 +179,7 @@ def _stop_at_port(asked: Asked) -> int:
     # It goes the usual way, too, which waits until it is granted: this takes a second to load.
     from stepramp.command_line.stop_at_port import stop_at  # noqa: PLC0415
 
-    print(stop_at(asked.port, asked.family, halt=asked.halt), flush=True)
+    _say(stop_at(asked.port, asked.family, halt=asked.halt))
     return OK
 
 
@@ -194,5 +195,14 @@ def _send_at_once(port: str) -> None:
         opened.close()
 
 
+def _say(words: str) -> None:
+    """Print what was done; where that can't be written, it was done all the same."""
+    try:
+        print(words, flush=True)
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+
+
 def _tell(words: str) -> None:
-    print(f"stepramp: {words}", file=sys.stderr, flush=True)
+    if sys.stderr is not None:
+        print(f"stepramp: {words}", file=sys.stderr, flush=True)
