@@ -84,7 +84,7 @@ def container(image: Path, tmp_path: Path) -> Iterator[tuple[Path, Path, int]]:
     variables = dict(each.split("=") for step in steps("ENV") for each in step.split())
     assert variables["STEPRAMP_DATA"] == steps("VOLUME")[0] == "/data"
     assert steps("USER") == ["1000"]
-    environment = os.environ | {"STEPRAMP_DATA": str(tmp_path / "data")}
+    environment = os.environ | {"STEPRAMP_DATA": str(tmp_path / "data"), "STEPRAMP_RUNTIME": str(tmp_path / "run")}
     with free_port(8940) as listener:
         port = listener.getsockname()[1]
     command = [*json.loads(entry), "--port", str(port)]
@@ -102,7 +102,7 @@ def test_its_server_is_healthy_and_keeps_what_it_has_in_the_volume(container: tu
     data, image, port = container
     [check] = steps("HEALTHCHECK")
     for folder, is_well in ((data, True), (data / "nobody's", False)):
-        environment = os.environ | {"STEPRAMP_DATA": str(folder)}
+        environment = os.environ | {"STEPRAMP_DATA": str(folder), "STEPRAMP_RUNTIME": str(folder)}
         asked = subprocess.run(json.loads(check.partition("CMD ")[2]), cwd=image, env=environment, check=False)
         assert (asked.returncode == 0) is is_well
     design = {"schema": "stepramp/2", "timer": {"frequency_hz": 2_000_000}, "move": {"steps": 500}} | {
