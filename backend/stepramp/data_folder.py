@@ -1,6 +1,7 @@
 """Where what outlasts the program is kept."""
 
 import os
+import warnings
 from pathlib import Path
 
 FOLDER_VARIABLE = "STEPRAMP_DATA"
@@ -16,7 +17,10 @@ def runtime_folder() -> Path:
         return Path(named)
     import platformdirs  # noqa: PLC0415
 
-    return platformdirs.user_runtime_path("stepramp", appauthor=False)
+    with warnings.catch_warnings():
+        # Where the system has no such folder, one of the temporary files' folder serves as well.
+        warnings.simplefilter("ignore")
+        return platformdirs.user_runtime_path("stepramp", appauthor=False)
 
 
 def data_folder() -> Path:

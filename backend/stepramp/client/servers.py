@@ -134,12 +134,18 @@ def _read(note: Path) -> Server | None:
     """Return the server of a note; None where it has ended without taking that away, or isn't of this machine."""
     try:
         with note.open(encoding="utf-8") as file:
-            if sys.platform != "win32" and not _is_held(file.fileno()):
+            # In a folder of temporary files anybody could leave one.
+            if sys.platform != "win32" and not (_is_ours(file.fileno()) and _is_held(file.fileno())):
                 return None
             server = Server(**json.load(file))
         return server if _is_here(server.place[0]) else None
     except (OSError, ValueError, TypeError, AttributeError):
         return None
+
+
+def _is_ours(descriptor: int) -> bool:
+    """Tell whether a file is of the user whose program this is."""
+    return os.fstat(descriptor).st_uid == os.getuid()
 
 
 def _is_held(descriptor: int) -> bool:
