@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 
 import pytest
@@ -79,16 +80,21 @@ def test_it_ends_going_to_and_fro(bench: Bench, somebody: Somebody, data: bytes,
     assert not MOTIONS & set(bench.witness.seen)
 
 
+def stops_amid(bench: Bench, somebody: Somebody, place: int, act: Callable[[], object]) -> bool:
+    """Have somebody stop at a place of what is done; return whether it came to that."""
+    bench.places.choose(place, lambda: somebody.send(STOP))
+    act()
+    came_to_it = bench.places.chosen is None
+    bench.places.chosen = None
+    return came_to_it
+
+
 def test_at_each_moment_of_setting_out_on_the_next_leg(bench: Bench, somebody: Somebody) -> None:
     """What was told to move after it is stopped again, at once; and nothing sets out later."""
     for place in range(MOST_PLACES):
         begin(bench)
         bench.clock.now_s += 20.0
-        bench.places.choose(place, lambda: somebody.send(STOP))
-        bench.poll()
-        came_to_it = bench.places.chosen is None
-        bench.places.chosen = None
-        if not came_to_it:
+        if not stops_amid(bench, somebody, place, bench.poll):
             break
         bench.poll()
         bench.settle()
@@ -102,14 +108,13 @@ def test_at_each_moment_of_setting_out_on_the_next_leg(bench: Bench, somebody: S
 
 
 def test_a_motion_in_whose_midst_it_comes_is_refused_and_stopped(bench: Bench, somebody: Somebody) -> None:
-    for place in range(MOST_PLACES):
-        bench.reset()
-        bench.places.choose(place, lambda: somebody.send(STOP))
+    def move() -> None:
         with suppress(StepRampError):
             bench.device.move_by([by(5000)])
-        came_to_it = bench.places.chosen is None
-        bench.places.chosen = None
-        if not came_to_it:
+
+    for place in range(MOST_PLACES):
+        bench.reset()
+        if not stops_amid(bench, somebody, place, move):
             break
         bench.poll()
         bench.settle()

@@ -25,7 +25,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     flags = ["-DARDUINO=10819", "-g", "-O1", "-Wall", "-Wextra", "-Werror", f"-I{HERE}", f"-I{SOURCES}"]
     sanitizers = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
     objects = []
-    for source in [*sources_of(LIBRARY), HERE / "scenarios.cpp"]:
+    for source in [*sources_of(LIBRARY), *sorted(HERE.glob("*.cpp"))]:
         compiler = ["gcc", "-std=gnu11"] if source.suffix == ".c" else ["g++", "-std=c++11"]
         objects.append(str(folder / f"{len(objects)}.o"))
         command = [*compiler, *flags, *sanitizers, "-c", str(source), "-o", objects[-1]]
