@@ -21,6 +21,7 @@ from benchmarks.firmware_machine import firmware_machine
 from benchmarks.frame_times import frame_times
 from benchmarks.library_timer import library_timer
 from benchmarks.motor import motor
+from benchmarks.odd_devices import odd_devices
 from benchmarks.stop_latency import stop_latency
 from browser.server import CHROMIUM
 from designs import design, document
@@ -164,6 +165,12 @@ def frames() -> None:
         print(f"Left out: {CHROMIUM} missing.")
 
 
+def what_is_no_controller() -> None:
+    """Print how long it takes to tell that a port has no controller."""
+    print("\n## What is no controller\n")
+    odd_devices()
+
+
 def stops() -> None:
     """Print how long a STOP takes, idle and under load."""
     print("\n## Stops\n")
@@ -197,6 +204,7 @@ if __name__ == "__main__":
     captured_files()
     motors()
     frames()
+    what_is_no_controller()
     stops()
     clients()
     firmware()

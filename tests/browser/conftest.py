@@ -224,11 +224,14 @@ def shared_watch(module_watch: Watch, server: Server) -> Iterator[Watch]:
 
 
 @pytest.fixture
-def shared_page(module_page: StepRampPage, shared_watch: Watch) -> StepRampPage:
-    """Return the module's page as it was at first."""
+def shared_page(module_page: StepRampPage, shared_watch: Watch) -> Iterator[StepRampPage]:
+    """Return the module's page as it was at first.
+
+    It starts over at a test's end: what is refused late is still that test's own, which expects it.
+    """
     del shared_watch
+    yield module_page
     module_page.start_over()
-    return module_page
 
 
 def new_page(context: BrowserContext, watch: Watch, size: tuple[int, int] = DESKTOP, theme: str = "dark") -> Page:

@@ -90,11 +90,15 @@ def test_the_kind_of_a_file_is_told_by_its_name_or_its_content(
 )
 def test_no_text_keeps_the_page_long_from_saying_that_it_is_no_listing(modules: Modules, piece: str) -> None:
     script = """async (piece) => { const {isListing} = await import('/documents/kinds.js');
-        const begun = performance.now(), found = isListing(piece.repeat(16384));
-        return [found, performance.now() - begun]; }"""
-    found, time_ms = modules.evaluate(script, piece)
-    assert not found
-    assert time_ms < 100
+        const text = piece.repeat(16384);
+        return Promise.all([1, 2, 3, 4, 5].map(() => {
+            const begun = performance.now(), found = isListing(text);
+            return [found, performance.now() - begun];
+        })); }"""
+    found, times_ms = zip(*modules.evaluate(script, piece), strict=True)
+    assert not any(found)
+    # It takes a few milliseconds, however slow the machine is in between; one that looks ahead from each line a second.
+    assert min(times_ms) < 100
 
 
 def test_a_csv_of_a_spreadsheet_in_utf_16_is_a_capture(modules: Modules) -> None:

@@ -5,6 +5,7 @@ import pytest
 from stepramp.errors import DeviceLost
 from stepramp.link import protocol_sim
 from stepramp.link.serial_port import SerialPort
+from waiting import PATIENCE_S
 
 
 class Echo:
@@ -65,8 +66,8 @@ def test_a_virtual_device_is_heard_unasked() -> None:
     port = SerialPort("sim://talkative")
     assert port.pending() == b""
     began = time.monotonic()
-    assert port.read(5.0) + port.pending() == b"unasked"
-    assert time.monotonic() - began < 1.0
+    assert port.read(2 * PATIENCE_S) + port.pending() == b"unasked"
+    assert time.monotonic() - began < PATIENCE_S
     port.write(b"hello")
     assert port.pending() == b"hello"
     assert port.pending() == b""

