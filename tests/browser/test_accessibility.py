@@ -13,13 +13,12 @@ from capture.writers import pulses, saleae_csv
 
 SIZES = {"wide": (1440, 900), "tablet": (1024, 768), "phone": (390, 844), "on its side": (844, 390)}
 """The tablet has all tabs and all buttons: from there each state is reached."""
-LOOKED_AT = ("wide", "phone")
-"""At which sizes each state is looked at. All but the colours is the same in all themes: the dark one shows it."""
-OTHER_THEMES: dict[str, tuple[Literal["light", "dark"], Literal["active", "none"]]] = {
+THEMES: dict[str, tuple[Literal["light", "dark"], Literal["active", "none"]]] = {
+    "dark": ("dark", "none"),
     "light": ("light", "none"),
-    "forced": ("dark", "active"),
+    "forced": ("light", "active"),
 }
-"""Colour scheme and forced colours: there each state is looked at as the tablet shows it."""
+"""Colour scheme and forced colours. All but the colours is the same in all of them, and colours know no sizes."""
 ABOUT_COLOURS = ("color-contrast", "link-in-text-block")
 PANELS = ("#parameters", "#table", "#device")
 RUN = """async ([part, only, without]) => {
@@ -41,32 +40,34 @@ class Inspection:
 
     def __init__(self, stepramp: StepRampPage) -> None:
         self.page = stepramp.page
-        self._present = ""
+        self._size, self._theme = "tablet", "dark"
         self.findings: list[str] = []
         self.page.evaluate(Axe().axe_script)
         # Colours are judged as they come to be, not on their way.
         self.page.emulate_media(color_scheme="dark", forced_colors="none", reduced_motion="reduce")
 
     def inspect(self, state: str, part: str = WHOLE, *, is_everywhere: bool = False) -> None:
-        """Take note of what is found in each theme, at the usual sizes or everywhere.
+        """Take note of what is found on a desktop and a phone, or at each size, and in each theme.
 
         part: what the state shows that those before did not. The rest of the page is looked at with it once; its
         colours too, unless the part lies over it and leaves it as it was.
         """
-        for size in SIZES if is_everywhere else LOOKED_AT:
-            self._resize(size)
-            if size != LOOKED_AT[0] or part == WHOLE:
-                self._note(f"{state}, {size}", part)
-            elif part in PANELS:
-                self._note(f"{state}, {size}", WHOLE)
-            else:
-                self._note(f"{state}, {size}", WHOLE, without=ABOUT_COLOURS)
-                self._note(f"{state}, {size}", part, only=ABOUT_COLOURS)
-        self._resize("tablet")
-        for theme, (scheme, forced) in OTHER_THEMES.items():
-            self._dress(scheme, forced)
-            self._note(f"{state}, {theme}", part, only=ABOUT_COLOURS)
-        self._dress("dark", "none")
+        self._look("wide", "dark")
+        if part in (WHOLE, *PANELS):
+            self._note(f"{state}, wide", WHOLE)
+        else:
+            self._note(f"{state}, wide", WHOLE, without=ABOUT_COLOURS)
+            self._note(f"{state}, wide", part, only=ABOUT_COLOURS)
+        self._look("phone", "light")
+        self._note(f"{state}, phone, light", part)
+        if is_everywhere:
+            self._look("on its side", "light")
+            self._note(f"{state}, on its side", part)
+            self._look("tablet", "light")
+            self._note(f"{state}, tablet", part)
+        self._look("tablet", "forced")
+        self._note(f"{state}, forced colours", part, only=ABOUT_COLOURS)
+        self._look("tablet", "dark")
 
     def _note(self, where: str, part: str, only: tuple[str, ...] = (), without: tuple[str, ...] = ()) -> None:
         """Take note of what is found; a finding of several states is kept once."""
@@ -74,15 +75,14 @@ class Inspection:
             if not any(finding.endswith(text) for finding in self.findings):
                 self.findings.append(f"{where}: {text}")
 
-    def _dress(self, scheme: Literal["light", "dark"], forced: Literal["active", "none"]) -> None:
-        self.page.emulate_media(color_scheme=scheme, forced_colors=forced)
-        expect(self.page.locator("html")).to_have_attribute("data-theme", scheme)
-
-    def _resize(self, size: str) -> None:
-        if size == self._present:
-            return
-        self._present = size
-        self.page.set_viewport_size({"width": SIZES[size][0], "height": SIZES[size][1]})
+    def _look(self, size: str, theme: str) -> None:
+        if size != self._size:
+            self.page.set_viewport_size({"width": SIZES[size][0], "height": SIZES[size][1]})
+        if theme != self._theme:
+            scheme, forced = THEMES[theme]
+            self.page.emulate_media(color_scheme=scheme, forced_colors=forced)
+            expect(self.page.locator("html")).to_have_attribute("data-theme", scheme)
+        self._size, self._theme = size, theme
 
 
 def test_axe_finds_nothing(open_page: Callable[..., StepRampPage], watch: Watch) -> None:
