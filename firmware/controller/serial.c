@@ -9,8 +9,8 @@
 #define BAUD 115200ul
 
 /* In usart.S */
-extern volatile uint8_t received_in, received_out, serial_control;
-extern volatile uint8_t received[RECEIVED_BYTES];
+extern volatile uint8_t serial_received_in, serial_received_out, serial_control;
+extern volatile uint8_t serial_received[RECEIVED_BYTES];
 extern const uint8_t *serial_next;
 
 /* While nothing is being sent: the interrupts leave it as it is then. */
@@ -35,12 +35,12 @@ static uint8_t wrapped(uint8_t number)
 
 int16_t serial_take(void)
 {
-    uint8_t out = received_out;
-    if (out == received_in) {
+    uint8_t out = serial_received_out;
+    if (out == serial_received_in) {
         return NO_BYTE;
     }
-    uint8_t byte = received[wrapped(out)];
-    received_out = (uint8_t)(out + 1);
+    uint8_t byte = serial_received[wrapped(out)];
+    serial_received_out = (uint8_t)(out + 1);
     return byte;
 }
 
@@ -49,15 +49,15 @@ int16_t serial_take(void)
 bool board_skip_to_stop(void)
 {
     static uint8_t found_in, found_unread;
-    uint8_t in = received_in, unread = (uint8_t)(in - received_out), begin = 0, kind = 0, code = 0;
+    uint8_t in = serial_received_in, unread = (uint8_t)(in - serial_received_out), begin = 0, kind = 0, code = 0;
     if (in == found_in && unread == found_unread) {
         return unread != 0;
     }
-    if (unread == 0 || received[wrapped(in - 1)] != 0) {
+    if (unread == 0 || serial_received[wrapped(in - 1)] != 0) {
         return false;
     }
     for (uint8_t back = 2; back != RECEIVED_BYTES; back++) {
-        uint8_t byte = received[wrapped(in - back)];
+        uint8_t byte = serial_received[wrapped(in - back)];
         if (byte == 0 && is_urgent(kind)) {
             if (begin != 0 || unread < back) {
                 return true; /* or it is what is taken next */
@@ -70,7 +70,7 @@ bool board_skip_to_stop(void)
         code = byte;
     }
     if (begin != 0) {
-        received_out = (uint8_t)(in - begin);
+        serial_received_out = (uint8_t)(in - begin);
         found_in = in;
         found_unread = begin;
     }
@@ -79,7 +79,7 @@ bool board_skip_to_stop(void)
 
 bool board_has_received(void)
 {
-    return received_out != received_in;
+    return serial_received_out != serial_received_in;
 }
 
 bool board_is_sending(void)

@@ -13,12 +13,12 @@
 #define MASKED (1 << RXEN0 | 1 << TXEN0)
 
 	.section .bss
-	.global received, received_in, received_out, serial_control, serial_next
-received:
+	.global serial_received, serial_received_in, serial_received_out, serial_control, serial_next
+serial_received:
 	.zero RECEIVED_BYTES
-received_in:                                 /* number of the next byte, counted modulo 256 */
+serial_received_in:                          /* number of the next byte, counted modulo 256 */
 	.zero 1
-received_out:                                /* of the oldest one that has not been taken */
+serial_received_out:                         /* of the oldest one that has not been taken */
 	.zero 1
 serial_control:                              /* what UCSR0B is outside of these interrupts */
 	.zero 1
@@ -46,20 +46,20 @@ serial_next:                                 /* address of the next byte to be s
 	.global USART_RX_vect
 USART_RX_vect:
 	MASK
-	lds  r30, received_in
+	lds  r30, serial_received_in
 	mov  r24, r30
 	inc  r24
-	sts  received_in, r24
-	lds  r31, received_out
+	sts  serial_received_in, r24
+	lds  r31, serial_received_out
 	sub  r24, r31
 	sbrs r24, RECEIVED_BITS
 	rjmp 1f
 	inc  r31
-	sts  received_out, r31
+	sts  serial_received_out, r31
 1:	andi r30, RECEIVED_BYTES - 1
 	ldi  r31, 0
-	subi r30, lo8(-(received))
-	sbci r31, hi8(-(received))
+	subi r30, lo8(-(serial_received))
+	sbci r31, hi8(-(serial_received))
 	lds  r24, UDR0
 	st   Z, r24
 	rjmp unmask
