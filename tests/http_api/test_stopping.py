@@ -1,11 +1,9 @@
-"""STOP over HTTP: obeyed whatever its body, final for what was asked before; runs that end; soft limits."""
+"""STOP over HTTP: obeyed whatever its body, final for what was asked before."""
 
 from __future__ import annotations
 
 import asyncio
-import itertools
 import json
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -14,14 +12,11 @@ from starlette.testclient import TestClient
 
 from designs import document
 from event_loop import run
+from http_api.two_axes import DEVICES, LOCAL, error_of, port_of, until
 from stepramp.controllers.stepramp.messages.motion import MoveByRequest, StopRequest
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.http_api.app import create_app
-from stepramp.link import protocol_sim
 
-DEVICES = "/api/v1/devices"
-LOCAL = {"host": "127.0.0.1:8000"}
-PATIENCE_S = 15.0
 STOPS = "X-StepRamp-Stops"
 MOTIONS: list[tuple[str, dict[str, object]]] = [
     ("move", {"by_steps": 10}),
@@ -31,38 +26,6 @@ MOTIONS: list[tuple[str, dict[str, object]]] = [
     ("zero", {"steps": 10}),
     ("home", {"axes": [{"axis": 0, "fast_steps_per_s": -100}], "slow_steps_per_s": 50}),
 ]
-_numbers = itertools.count()
-
-
-@pytest.fixture
-def route(client: TestClient) -> str:
-    """Return the route of a device with two axes that have a ramp."""
-    return device_of(lambda method, path, body: client.request(method, path, json=body).json())
-
-
-def device_of(ask: Callable[[str, str, Any], Any]) -> str:
-    port = f"sim://stopping-{next(_numbers)}"
-    protocol_sim.register(port, VirtualController())
-    route = f"{DEVICES}/{ask('POST', DEVICES, {'port': port})['id']}"
-    assert ask("POST", f"{route}/push", {"axes": [document(), document()]})["verified"]
-    return route
-
-
-def until(condition: Callable[[], Any]) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-
-
-def until_state(client: TestClient, route: str, state: str) -> None:
-    until(lambda: client.get(route).json()["state"] == state)
-
-
-def error_of(response: Any, status: int) -> dict[str, Any]:
-    assert response.status_code == status, response.text
-    [error] = response.json()["errors"]
-    return dict(error)
 
 
 def test_what_knows_of_fewer_stops_moves_nothing(client: TestClient, route: str) -> None:
@@ -98,8 +61,7 @@ def test_what_an_earlier_server_told_moves_nothing(client: TestClient, route: st
     late = client.post(f"{route}/move", json={"by_steps": 10}, headers={STOPS: str(earlier)})
     assert "A stop came first" in error_of(late, 409)["message"]
     with TestClient(create_app(), base_url="http://127.0.0.1:8000") as later:
-        port = f"sim://stopping-{next(_numbers)}"
-        protocol_sim.register(port, VirtualController())
+        port = port_of(VirtualController())
         later_route = f"{DEVICES}/{later.post(DEVICES, json={'port': port}).json()['id']}"
         later.post(f"{later_route}/push", json={"design": document()})
         late = later.post(f"{later_route}/move", json={"by_steps": 10}, headers={STOPS: str(told)})
@@ -261,8 +223,7 @@ def test_a_page_that_is_gone_before_its_run_has_come_in_runs_nothing() -> None:
 
 
 async def connected(asgi: Asgi) -> str:
-    port = f"sim://stopping-{next(_numbers)}"
-    protocol_sim.register(port, VirtualController())
+    port = port_of(VirtualController())
     _, device = await asgi.ask("POST", DEVICES, {"port": port})
     route = f"{DEVICES}/{device['id']}"
     status, _ = await asgi.ask("POST", f"{route}/push", {"axes": [document(), document()]})
@@ -283,8 +244,7 @@ class Recording(VirtualController):
 
 
 def test_a_move_asked_for_while_a_stop_is_being_answered_does_not_begin(client: TestClient) -> None:
-    port, board = f"sim://stopping-{next(_numbers)}", Recording()
-    protocol_sim.register(port, board)
+    port = port_of(board := Recording())
     route = f"{DEVICES}/{client.post(DEVICES, json={'port': port}).json()['id']}"
     client.post(f"{route}/push", json={"design": document()})
     device = client.app.state.devices.get(route.rsplit("/", 1)[1])
@@ -293,81 +253,6 @@ def test_a_move_asked_for_while_a_stop_is_being_answered_does_not_begin(client: 
         assert "A stop came first" in error_of(late, 409)["message"]
     assert MoveByRequest.KIND not in board.kinds
     assert client.post(f"{route}/move", json={"by_steps": 10}).status_code == 200
-
-
-def test_a_run_ends_with_its_lease_and_goes_on_when_asked_again(client: TestClient, route: str) -> None:
-    run = {"speed_steps_per_s": 400, "for_s": 0.6}
-    began = time.monotonic()
-    while time.monotonic() - began < 1.5:
-        assert client.post(f"{route}/run", json=run).json()["state"] == "moving"
-        time.sleep(0.2)
-    assert client.get(route).json()["position_steps"] > 300
-    until(lambda: client.get(route).json()["state"] == "ready")
-    assert client.get(route).json()["position_steps"] < 2000
-
-
-def test_a_run_that_has_slowed_down_is_not_renewed(client: TestClient, route: str) -> None:
-    run = {"speed_steps_per_s": 400, "for_s": 0.8, "name": "mine"}
-    again = run | {"renews": True}
-    assert "was given up" in error_of(client.post(f"{route}/run", json=again), 409)["message"]
-    assert client.post(f"{route}/run", json=run).json()["state"] == "moving"
-    for _ in range(4):
-        time.sleep(0.3)
-        assert client.post(f"{route}/run", json=again).json()["state"] == "moving"
-    assert "was given up" in error_of(client.post(f"{route}/run", json=again | {"name": "other"}), 409)["message"]
-    until(lambda: client.get(route).json()["state"] == "ready")
-    place = client.get(route).json()["position_steps"]
-    assert "was given up" in error_of(client.post(f"{route}/run", json=again), 409)["message"]
-    assert client.get(route).json()["state"] == "ready"
-    # Nor does it take over what somebody else runs by now, or come after a stop.
-    client.post(f"{route}/run", json={"speed_steps_per_s": 400, "for_s": 60})
-    assert "was given up" in error_of(client.post(f"{route}/run", json=again), 409)["message"]
-    client.post(f"{route}/run", json=run | {"for_s": 60})
-    client.post(f"{route}/stop")
-    assert client.post(f"{route}/run", json=again).status_code == 409
-    until(lambda: client.get(route).json()["state"] == "ready")
-    assert client.get(route).json()["position_steps"] > place
-    unnamed = error_of(client.post(f"{route}/run", json={"speed_steps_per_s": 400, "renews": True}), 422)
-    assert unnamed["field"] == "name"
-
-
-@pytest.mark.parametrize("for_s", [0, -1, 86_401, "long", None, 1e400])
-def test_leases_that_cant_be(client: TestClient, route: str, for_s: object) -> None:
-    body = json.dumps({"speed_steps_per_s": 100, "for_s": for_s}).replace("Infinity", "1e400")
-    refused = client.post(f"{route}/run", content=body, headers={"content-type": "application/json"})
-    error = error_of(refused, 422)
-    assert (error["field"], error["allowed"]) == ("for_s", "a number from 0.05 to 86,400 s")
-
-
-def test_what_a_page_runs_ends_with_it(client: TestClient, route: str) -> None:
-    with client.websocket_connect(f"{DEVICES}/events?page=one", headers=LOCAL) as socket:
-        socket.receive_json()
-        run = {"axes": [{"axis": 1, "speed_steps_per_s": 300}], "for_s": 3600}
-        assert client.post(f"{route}/run", json=run, headers={"X-StepRamp-Page": "one"}).json()["state"] == "moving"
-    until(lambda: client.get(route).json()["state"] == "ready")
-
-
-def test_there_and_back_of_a_page_ends_with_it(client: TestClient, route: str) -> None:
-    page = {"X-StepRamp-Page": "one"}
-    for pause_s, state in ((0, "moving"), (3600, "ready")):  # On its way, and in the pause at its end.
-        with client.websocket_connect(f"{DEVICES}/events?page=one", headers=LOCAL) as socket:
-            socket.receive_json()
-            body = {"by_steps": 60, "times": 10_000, "pause_s": pause_s}
-            assert client.post(f"{route}/there_and_back", json=body, headers=page).json()["shuttle"]
-            until_state(client, route, state)
-        until(lambda: client.get(route).json()["shuttle"] is None)
-        until_state(client, route, "ready")
-    late = client.post(f"{route}/there_and_back", json={"by_steps": 60}, headers=page)
-    assert "its page is gone" in error_of(late, 409)["message"]
-
-
-def test_there_and_back_of_a_program_outlives_a_page(client: TestClient, route: str) -> None:
-    client.post(f"{route}/there_and_back", json={"by_steps": 60, "times": 10_000})
-    with client.websocket_connect(f"{DEVICES}/events?page=one", headers=LOCAL) as socket:
-        socket.receive_json()
-    time.sleep(0.3)
-    assert client.get(route).json()["shuttle"]
-    client.post(f"{route}/halt")
 
 
 def test_an_axis_that_is_not_there_is_named_in_its_field(client: TestClient, route: str) -> None:
@@ -387,122 +272,18 @@ def test_an_axis_that_is_not_there_is_named_in_its_field(client: TestClient, rou
         assert socket.receive_json()["errors"][0]["field"] == "axis"
 
 
-def test_a_run_of_a_program_outlives_a_page(client: TestClient, route: str) -> None:
-    client.post(f"{route}/run", json={"speed_steps_per_s": 300, "for_s": 3600})
-    with client.websocket_connect(f"{DEVICES}/events?page=one", headers=LOCAL) as socket:
-        socket.receive_json()
-    time.sleep(0.3)
-    assert client.get(route).json()["state"] == "moving"
-    client.post(f"{route}/halt")
-
-
-def test_a_page_that_acts_ends_no_run_of_a_program(client: TestClient, route: str) -> None:
-    client.post(f"{route}/run", json={"speed_steps_per_s": 300, "for_s": 3600})
-    with client.websocket_connect(f"{DEVICES}/events?page=one", headers=LOCAL) as socket:
-        socket.receive_json()
-        for _ in range(2):
-            moved = client.post(
-                f"{route}/move", json={"axes": [{"axis": 1, "by_steps": 5}]}, headers={"X-StepRamp-Page": "one"}
-            )
-            assert moved.json()["in_control"] == "one"
-        time.sleep(0.3)
-        assert client.get(route).json()["axes"][0]["state"] == "moving"
-    client.post(f"{route}/halt")
-
-
 def test_what_was_asked_before_there_was_the_device_does_not_move_it(client: TestClient) -> None:
     early = client.app.state.devices.order.next()
     client.post(f"{DEVICES}/stop")
-    port = f"sim://stopping-{next(_numbers)}"
-    protocol_sim.register(port, VirtualController())
+    port = port_of(VirtualController())
     later = f"{DEVICES}/{client.post(DEVICES, json={'port': port}).json()['id']}"
     client.post(f"{later}/push", json={"design": document()})
     late = client.post(f"{later}/move", json={"by_steps": 5}, headers={STOPS: str(early)})
     assert "A stop came first" in error_of(late, 409)["message"]
 
 
-@pytest.mark.parametrize(
-    "body",
-    [{"by_steps": 2_147_483_647}, {"to_steps": -2_147_483_648}, {"by_steps": 10_000_001}],
-)
-def test_without_soft_limits_a_way_is_bounded(client: TestClient, route: str, body: dict[str, int]) -> None:
-    error = error_of(client.post(f"{route}/move", json=body), 422)
-    assert (error["field"], error["value"]) == next(iter(body.items()))
-    assert error["allowed"] == (
-        "a whole number from -10,000,000 to 10,000,000 steps, since axis 0 has no soft limit there"
-    )
-
-
-def limits(client: TestClient, route: str, **of_axis_0: int | None) -> Any:
-    return client.put(f"{route}/soft_limits", json={"axes": [{"axis": 0, **of_axis_0}]})
-
-
-def test_soft_limits(client: TestClient, route: str) -> None:
-    device = limits(client, route, lowest_steps=-100, highest_steps=2000).json()
-    assert [(axis["lowest_steps"], axis["highest_steps"]) for axis in device["axes"]] == [(-100, 2000), (None, None)]
-    for what, body, field in [
-        ("move", {"by_steps": 2001}, "by_steps"),
-        ("move", {"to_steps": -101}, "to_steps"),
-        ("move", {"axes": [{"axis": 1, "by_steps": 5}, {"axis": 0, "by_steps": -200}]}, "axes.1.by_steps"),
-        ("line", {"axes": [{"axis": 0, "by_steps": 3000}, {"axis": 1, "by_steps": 5}]}, "axes.0.by_steps"),
-        ("there_and_back", {"by_steps": -500}, "by_steps"),
-    ]:
-        error = error_of(client.post(f"{route}/{what}", json=body), 422)
-        assert error["field"] == field
-        assert "within the soft limits of axis 0, -100 to 2,000 steps" in error["allowed"]
-    assert client.post(f"{route}/move", json={"to_steps": 2000}).status_code == 200
-    # In flight it counts from where it would come to rest.
-    assert error_of(client.post(f"{route}/move", json={"by_steps": 1}), 422)["field"] == "by_steps"
-    until(lambda: client.get(route).json()["state"] == "ready")
-    assert error_of(client.post(f"{route}/run", json={"speed_steps_per_s": 100}), 422)["field"] == "speed_steps_per_s"
-    assert client.post(f"{route}/run", json={"speed_steps_per_s": -100}).status_code == 200
-    client.post(f"{route}/halt")
-    freed = limits(client, route, lowest_steps=None, highest_steps=None).json()
-    assert (freed["axes"][0]["lowest_steps"], freed["axes"][0]["highest_steps"]) == (None, None)
-    assert client.post(f"{route}/move", json={"by_steps": 3000}).status_code == 200
-    client.post(f"{route}/halt")
-
-
-def test_an_axis_beyond_its_soft_limits_says_so_until_it_is_back(client: TestClient, route: str) -> None:
-    """Limits may be set wherever an axis is; what leads back to within them, and that only, moves it."""
-    client.post(f"{route}/position", json={"position_steps": 500})
-    assert not client.get(route).json()["axes"][0]["is_beyond_limits"]
-    axis, other = limits(client, route, lowest_steps=0, highest_steps=400).json()["axes"]
-    assert (axis["is_beyond_limits"], other["is_beyond_limits"]) == (True, False)
-    assert error_of(client.post(f"{route}/move", json={"by_steps": -50}), 422)["field"] == "by_steps"
-    assert error_of(client.post(f"{route}/run", json={"speed_steps_per_s": 50}), 422)["field"] == "speed_steps_per_s"
-    assert client.post(f"{route}/move", json={"by_steps": -100}).status_code == 200
-    until(lambda: client.get(route).json()["state"] == "ready")
-    assert not client.get(route).json()["axes"][0]["is_beyond_limits"]
-
-
-def test_a_run_comes_to_rest_within_soft_limits(client: TestClient, route: str) -> None:
-    limits(client, route, highest_steps=1500)
-    client.post(f"{route}/run", json={"speed_steps_per_s": 900, "for_s": 600})
-    until(lambda: client.get(route).json()["state"] == "ready")
-    # 900 steps/s with 5,000 steps/s² take 81 steps to stop, and the server needs a moment to see them coming.
-    assert 1000 < client.get(route).json()["position_steps"] <= 1500
-
-
-@pytest.mark.parametrize(
-    ("body", "field"),
-    [
-        ({}, "axes"),
-        ({"axes": []}, "axes"),
-        ({"axes": [{"axis": 4}]}, "axes.0.axis"),
-        ({"axes": [{"axis": 0}, {"axis": 2, "highest_steps": 5}]}, "axes.1.axis"),
-        ({"axes": [{"axis": 0}, {"axis": 0, "highest_steps": 5}]}, "axes.1.axis"),
-        ({"axes": [{"axis": 0, "lowest_steps": 5, "highest_steps": 4}]}, "axes.0.highest_steps"),
-        ({"axes": [{"axis": 0, "lowest_steps": "none"}]}, "axes.0.lowest_steps"),
-    ],
-)
-def test_soft_limits_that_cant_be(client: TestClient, route: str, body: Any, field: str) -> None:
-    assert error_of(client.put(f"{route}/soft_limits", json=body), 422)["field"] == field
-
-
 def test_a_stop_is_not_asked_of_the_controller_twice(client: TestClient) -> None:
-    port, board = f"sim://stopping-{next(_numbers)}", Recording()
-    protocol_sim.register(port, board)
+    port = port_of(board := Recording())
     route = f"{DEVICES}/{client.post(DEVICES, json={'port': port}).json()['id']}"
     client.post(f"{route}/stop")
     assert board.kinds.count(StopRequest.KIND) == 1
@@ -513,42 +294,6 @@ def test_a_number_of_stops_that_is_none(client: TestClient, route: str, stops: s
     error = error_of(client.post(f"{route}/move", json={"by_steps": 1}, headers={STOPS: stops}), 422)
     assert (error["field"], error["value"]) == (STOPS, stops)
     assert error["allowed"] == "a whole number: the `stops` that the device last told"
-
-
-def test_soft_limits_are_set_at_rest(client: TestClient, route: str) -> None:
-    client.post(f"{route}/move", json={"by_steps": 5000})
-    assert "The motor moves" in error_of(limits(client, route, highest_steps=100), 409)["message"]
-    client.post(f"{route}/halt")
-
-
-def test_there_and_back_keeps_to_limits_that_are_set_in_a_pause(client: TestClient, route: str) -> None:
-    client.post(f"{route}/there_and_back", json={"by_steps": 60, "times": 9, "pause_s": 0.5})
-    until(lambda: client.get(route).json()["state"] == "ready")
-    assert limits(client, route, lowest_steps=50, highest_steps=100).status_code == 200
-    until(lambda: client.get(route).json()["shuttle"] is None)
-    assert client.get(route).json()["position_steps"] == 60
-
-
-def test_there_and_back_is_refused_when_it_ends_outside(client: TestClient, route: str) -> None:
-    limits(client, route, lowest_steps=50, highest_steps=1000)
-    refused = client.post(f"{route}/there_and_back", json={"by_steps": 200})
-    assert "and this leads to 0" in error_of(refused, 422)["allowed"]
-
-
-def test_a_run_that_is_asked_again_and_again_keeps_to_soft_limits(client: TestClient, route: str) -> None:
-    limits(client, route, highest_steps=1500)
-    run = {"speed_steps_per_s": 900, "for_s": 0.5}
-    began = time.monotonic()
-    while time.monotonic() - began < 3.0:
-        client.post(f"{route}/run", json=run)
-    until(lambda: client.get(route).json()["state"] == "ready")
-    assert 800 < client.get(route).json()["position_steps"] <= 1500
-
-
-def test_zeroing_is_not_for_axes_with_soft_limits(client: TestClient, route: str) -> None:
-    limits(client, route, lowest_steps=0)
-    error = error_of(client.post(f"{route}/zero", json={"steps": 100}), 422)
-    assert (error["field"], error["value"]) == ("axes", 0)
 
 
 def test_a_stop_ends_a_jog_s_socket_for_good(client: TestClient, route: str) -> None:
