@@ -167,7 +167,7 @@ class Processes:
                 await asyncio.wrap_future(begun)
             self._are_ready = True
         except (OSError, NotImplementedError, BrokenExecutor) as error:
-            _logger.warning("No other processes plan profiles: they couldn't be begun. %s", error)
+            _logger.warning("No other processes plan profiles for a minute: they end as they begin. %s", error)
         self._let_go_later()
 
     def _let_go_later(self) -> None:
@@ -200,7 +200,7 @@ class Processes:
         except Exception as error:
             if self._are_ready:
                 why = "They don't answer." if isinstance(error, TimeoutError) else error
-                _logger.warning("No other processes plan profiles any more. %s", why)
+                _logger.warning("No other processes plan profiles for a minute. %s", why)
             self._are_ready = False
         finally:
             self._ahead -= 1
