@@ -229,7 +229,7 @@ def test_files_that_are_answered_with_nonsense(answer: bytes) -> None:
         port.close()
 
 
-def test_files_that_are_never_answered_are_told_in_time() -> None:
+def test_files_that_are_never_answered_are_told() -> None:
     """Of a Klipper that isn't ready its files tell what axes it has."""
 
     def answers(protocol: ServerProtocol, connection: socket.socket) -> None:
