@@ -105,7 +105,8 @@ def stop(
         typer.Option("--server", metavar="URL", help="only this server; else STEPRAMP_URL's, else all of this machine"),
     ] = None,
     port: Annotated[
-        str | None, typer.Option("--port", metavar="PORT", help="what is stopped where no server runs")
+        str | None,
+        typer.Option("--port", metavar="PORT", help="what is stopped besides, without a server where none has it"),
     ] = None,
     family: Annotated[
         str, typer.Option("--family", metavar="NAME", help="family of the controller at --port")

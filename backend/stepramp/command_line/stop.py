@@ -9,6 +9,7 @@ import sys
 import threading
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from time import monotonic
 from typing import Any
 
 from stepramp.client.servers import Server, named, running
@@ -57,18 +58,31 @@ def asked_by(words: Sequence[str]) -> Asked:
                 asked.not_understood.append(f"--axis {value}")
         else:
             setattr(asked, name[2:], value)
-    if asked.not_understood or (asked.axes is not None and asked.device is None):
-        if not asked.not_understood:
-            asked.not_understood.append("--axis without --device")
+    if asked.axes is not None and asked.device is None:
+        asked.not_understood.append("--axis without --device")
+    if asked.port is not None and asked.device is not None:
+        asked.not_understood.append("--port with --device")
+    if asked.not_understood:
         asked.device = asked.axes = None
     return asked
+
+
+@dataclass(frozen=True)
+class _Answered:
+    """What came of asking a server."""
+
+    code: int
+    ports: tuple[str, ...] = ()
+    """Of the devices that it has connected, or is connecting: nobody else can open them."""
 
 
 def carry_out(asked: Asked) -> int:
     """Stop, tell what came of it, and return the exit code."""
     try:
         servers = _servers(asked)
-        code = _stop_at_port(asked) if not servers else _ask_all(servers, asked)
+        if not servers and asked.port is None:
+            raise NoServer("No server of this machine runs. What is at a port without one: stepramp stop --port PORT.")
+        code = _stop_all(servers, asked)
     except KeyboardInterrupt:
         _tell("Given up before the stop was answered: whether it was carried out is not known.")
         return INTERRUPTED
@@ -93,25 +107,49 @@ def _servers(asked: Asked) -> list[Server]:
     return [told] if told is not None else running()
 
 
-def _ask_all(servers: Sequence[Server], asked: Asked) -> int:
-    """Ask all servers at the same time; return the worst of what came of it."""
-    codes: list[int] = []
+def _stop_all(servers: Sequence[Server], asked: Asked) -> int:
+    """Ask all servers at the same time, and stop what is at a port that none of them has; return the worst of it.
+
+    A server that is silent keeps the port from nothing.
+    """
+    answered: list[_Answered] = []
     threads = [
-        threading.Thread(target=lambda each=server: codes.append(_ask(each, asked)), daemon=True) for server in servers
+        threading.Thread(target=lambda each=server: answered.append(_ask(each, asked)), daemon=True)
+        for server in servers
     ]
     for thread in threads:
         thread.start()
-    waited_s = 0.0
-    for thread in threads:
-        while thread.is_alive():
-            thread.join(0.05)
-            waited_s += 0.05
-            if thread.is_alive() and SILENT_S <= waited_s < SILENT_S + 0.05:
-                _tell("No answer yet: the stop is asked for again and again (Ctrl+C gives up).")
+    _wait_for(threads, SILENT_S)
+    at_port = None
+    if any(thread.is_alive() for thread in threads):
+        _tell("No answer yet: the stop is asked for again and again (Ctrl+C gives up).")
+        at_port = None if _is_had(asked.port, answered) else _stop_at_port(asked)
+        _wait_for(threads)
+    codes = [each.code for each in answered]
+    if not _is_had(asked.port, answered):
+        codes.append(_stop_at_port(asked) if at_port is None else at_port)
     return max(codes)
 
 
-def _ask(server: Server, asked: Asked) -> int:
+def _wait_for(threads: Sequence[threading.Thread], within_s: float | None = None) -> None:
+    begin_s = monotonic()
+    for thread in threads:
+        # In slices: Ctrl+C is heard between them.
+        while thread.is_alive() and (within_s is None or monotonic() - begin_s < within_s):
+            thread.join(0.05)
+
+
+def _is_had(port: str | None, answered: Iterable[_Answered]) -> bool:
+    """Tell whether a port is a server's, by whichever of its names; so is none."""
+    if port is None:
+        return True
+    from stepramp.link.ports import location_of  # noqa: PLC0415
+
+    there = location_of(port)
+    return any(location_of(each) == there for server in answered for each in server.ports)
+
+
+def _ask(server: Server, asked: Asked) -> _Answered:
     try:
         # Halting is for one device each: all are stopped first, whatever their names.
         is_first_of_two = asked.halt and asked.device is None
@@ -125,17 +163,16 @@ def _ask(server: Server, asked: Asked) -> int:
         return _told(server, status, json.loads(content))
     except NoServer as error:
         _tell(str(error))
-        return NOBODY_THERE
     except (OSError, ValueError, KeyError, TypeError):
         _tell(f"What answers at {server.url} is no StepRamp.")
-        return NOBODY_THERE
+    return _Answered(NOBODY_THERE)
 
 
-def _told(server: Server, status: int, answer: dict[str, Any]) -> int:
+def _told(server: Server, status: int, answer: dict[str, Any]) -> _Answered:
     if status != 200:
         for error in answer["errors"]:
             _tell(error["message"])
-        return {404: FAILED, 502: NOBODY_THERE}.get(status, FAILED)
+        return _Answered({404: FAILED, 502: NOBODY_THERE}.get(status, FAILED))
     devices = answer.get("devices", [answer])
     code = OK
     # Of all: whose stop was refused, as of a machine that somebody else has set in motion.
@@ -154,7 +191,7 @@ def _told(server: Server, status: int, answer: dict[str, Any]) -> int:
             _say(f"{said}: device {device['id']} at {device['port']}, {device['state']}{places}.")
     if not devices:
         _say(f"Stopped: the server at {server.url}, which has no device.")
-    return code
+    return _Answered(code, tuple(device["port"] for device in devices if device["state"] != "lost"))
 
 
 def places_of(axes: Iterable[tuple[int, int | None]]) -> str:
@@ -171,15 +208,20 @@ def _position_of(axis: dict[str, Any]) -> int | None:
 
 
 def _stop_at_port(asked: Asked) -> int:
-    """Stop what is at a port, without a server."""
-    if asked.port is None:
-        raise NoServer("No server of this machine runs. What is at a port without one: stepramp stop --port PORT.")
-    if asked.family == USUAL_FAMILY and "://" not in asked.port:
-        _send_at_once(asked.port)
-    # It goes the usual way, too, which waits until it is granted: this takes a second to load.
-    from stepramp.command_line.stop_at_port import stop_at  # noqa: PLC0415
+    """Stop what is at the port that is named, without a server."""
+    assert asked.port is not None
+    outcome = "was NOT stopped"
+    try:
+        if asked.family == USUAL_FAMILY and "://" not in asked.port:
+            _send_at_once(asked.port)
+            outcome = "was sent a stop, which is NOT confirmed"
+        # It goes the usual way, too, which waits until it is granted: this takes a second to load.
+        from stepramp.command_line.stop_at_port import stop_at  # noqa: PLC0415
 
-    _say(stop_at(asked.port, asked.family, halt=asked.halt))
+        _say(stop_at(asked.port, asked.family, halt=asked.halt))
+    except StepRampError as error:
+        _tell(f"Port {asked.port} {outcome}: {error} If it moves, cut the motor's power.")
+        return WRONG_INPUT if isinstance(error, Rejected) else NOBODY_THERE
     return OK
 
 
