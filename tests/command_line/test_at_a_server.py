@@ -160,6 +160,13 @@ def test_a_move_says_what_it_is_about_to_do_and_where_it_ended(ask: Ask, device:
     assert ask("stop").code == 0
 
 
+def test_what_is_refused_is_not_told_to_move(ask: Ask, device: str) -> None:
+    """The virtual controller has one axis with a ramp."""
+    for words in ("move --by 10 --axis 3", "run --speed 400 --for 1 --axis 3", "home --fast=-400 --slow 50 --axis 3"):
+        told = ask(f"{words} {device}")
+        assert (told.code, "Ctrl+C stops it" in told.err) == (2, False), told.err
+
+
 def test_another_family_is_pushed_to_and_restored(ask: Ask, grbl: str) -> None:
     device = f"--port {grbl} --family grbl"
     told = ask(f"push design.json {device} --yes")
@@ -199,7 +206,7 @@ def test_a_design_of_the_library_is_written_as_it_was_saved(ask: Ask) -> None:
 
 @unix_only
 @pytest.mark.parametrize(
-    ("words", "ending"), [("move --by 5000000", signal.SIGINT), ("run --speed 900 --for 3600", signal.SIGTERM)]
+    ("words", "ending"), [("move --by 5000000", signal.SIGQUIT), ("run --speed 900 --for 3600", signal.SIGTERM)]
 )
 def test_a_motion_that_is_interrupted_is_stopped(ask: Ask, device: str, words: str, ending: signal.Signals) -> None:
     with begun(f"{words} {device}", stderr=subprocess.PIPE) as process:

@@ -1,4 +1,4 @@
-"""Commands that move motors: they say what they are about to do, and stop it when they are interrupted."""
+"""Commands that move motors: they say what they have set in motion, and stop it when they are interrupted."""
 
 import csv
 import io
@@ -73,8 +73,9 @@ def move(
     with stopping(where, device):
         if trace_file is not None:
             client.trace_moves(device.id, axis)
-        tell(f"axis {axis} of {device.name} at {device.port} moves {far}; Ctrl+C stops it")
         now = client.send(planned)
+        # What is refused moves nothing: it is told once it was accepted.
+        tell(f"axis {axis} of {device.name} at {device.port} moves {far}; Ctrl+C stops it")
         if no_wait:
             show(format, now, axes_of(now))
             return
@@ -111,21 +112,20 @@ def run(
         raise Rejected([Rejection("--for", for_s, "a number from 0.05 to 86,400 s")])
     device_calls.refuse_rest(speed_steps_per_s)
     device_calls.run("", axes=[{"axis": axis, "speed_steps_per_s": speed_steps_per_s}])
-    device, begin_s = find(), time.monotonic()
-    with stopping(where, device):
-        tell(
-            f"axis {axis} of {device.name} at {device.port} runs at {speed_steps_per_s:,.6g} steps/s "
-            f"for {for_s:,.6g} s; Ctrl+C stops it"
-        )
-        with progress("Run") as told:
-            rested = where.client.run_for(
-                device.id,
-                axis,
-                speed_steps_per_s,
-                for_s,
-                stops=device.stops,
-                tell=lambda _: told(min(1.0, (time.monotonic() - begin_s) / for_s)),
-            )
+    device, begin_s, is_told = find(), time.monotonic(), False
+    with stopping(where, device), progress("Run") as told:
+
+        def tell_part(_: DeviceAnswer) -> None:
+            nonlocal is_told
+            if not is_told:
+                tell(
+                    f"axis {axis} of {device.name} at {device.port} runs at {speed_steps_per_s:,.6g} steps/s "
+                    f"for {for_s:,.6g} s; Ctrl+C stops it"
+                )
+            is_told = True
+            told(min(1.0, (time.monotonic() - begin_s) / for_s))
+
+        rested = where.client.run_for(device.id, axis, speed_steps_per_s, for_s, stops=device.stops, tell=tell_part)
     show(format, rested, axes_of(rested))
 
 
@@ -147,10 +147,10 @@ def home(
     device_calls.home("", [asked], slow_steps_per_s, back_off_steps=back_off_steps, for_s=for_s)
     device = find()
     with stopping(where, device):
-        tell(f"axis {axis} of {device.name} at {device.port} looks for its limit switch; Ctrl+C stops it")
         where.client.home(
             device.id, [asked], slow_steps_per_s, back_off_steps=back_off_steps, for_s=for_s, stops=device.stops
         )
+        tell(f"axis {axis} of {device.name} at {device.port} looks for its limit switch; Ctrl+C stops it")
         rested = where.client.until_rest(device.id)
     show(format, rested, axes_of(rested))
     if not next(each for each in rested.axes if each.axis == axis).position_known:
@@ -217,7 +217,7 @@ def _signals(handler: Callable[[int, FrameType | None], Any] | signal.Handlers) 
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    names = ("SIGINT", "SIGTERM", "SIGHUP")
+    names = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")
     before = {}
     for number in (getattr(signal, name) for name in names if hasattr(signal, name)):
         before[number] = signal.signal(number, handler)
