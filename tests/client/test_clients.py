@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
+import sys
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,11 +16,13 @@ import pytest
 import stepramp
 from designs import design, document
 from event_loop import run
-from stepramp.client import AsyncClient, Client, device_calls
+from stepramp.client import AsyncClient, Client, design_calls, device_calls
 from stepramp.client.calls import Call, Pause, get
+from stepramp.client.clients import Requests
 from stepramp.client.design_calls import stall_map
 from stepramp.client.servers import Server
 from stepramp.errors import NoServer, NotFound, Outdated, Refused, Rejected, StepRampError, Unauthorized
+from stepramp.http_api import idempotency
 from stepramp.http_api.access import Access, Role
 from stepramp.http_api.app import create_app
 from stepramp.http_api.error_items import in_body
@@ -56,6 +61,43 @@ def test_what_can_t_be_sent_is_refused_with_field_value_and_what_is_allowed(clie
     assert (rejection.field, rejection.value, rejection.allowed) == ("rows", 0, "a whole number from 1 to 1,000 rows")
     with pytest.raises(Rejected, match=r"design.timer.frequency_hz is 0; allowed: a number from 1,000"):
         client.errors(document(timer__frequency_hz=0), ["newton"])
+
+
+@pytest.mark.parametrize("key", ["ü\n", "", "a b", "a" * 201])
+def test_a_key_that_no_server_takes_is_refused(client: Any, key: str) -> None:
+    assert device_calls.MOST_KEY == idempotency.MOST_KEY
+    with pytest.raises(Rejected, match="allowed: 1 to 200 visible ASCII characters"):
+        client.move("1", axes=[{"axis": 0, "by_steps": 1}], key=key)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="files without an end of Unix")
+def test_a_capture_without_an_end_is_refused(client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(design_calls, "MOST_FILE_BYTES", 1000)
+    with pytest.raises(Rejected, match=r"content is '/dev/zero'; allowed: a file of up to 1,000 bytes"):
+        client.capture(Path("/dev/zero"))
+
+
+def test_what_is_awaited_is_refused_as_it_is_awaited() -> None:
+    """Whoever gathers several has the answers of the others."""
+
+    async def gathered() -> list[Any]:
+        transport = httpx2.MockTransport(lambda _: httpx2.Response(200, content=b"{}"))
+        async with AsyncClient("http://a", transport=transport) as client:
+            called = []
+            for name in dir(Requests):
+                method = getattr(client, name)
+                if not name.startswith("_"):
+                    # None of them takes that.
+                    called.append(method(nothing=1))
+            refused = await asyncio.gather(
+                client.profile({"bad": 1}), client.run_for("1", 0, 0.0, 1.0), return_exceptions=True
+            )
+            assert [type(each) for each in refused] == [Rejected, Rejected]
+            return await asyncio.gather(*called, return_exceptions=True)
+
+    told = run(gathered())
+    assert len(told) > 40
+    assert {type(each) for each in told} == {TypeError}
 
 
 def test_designs_are_computed_with(client: Any) -> None:

@@ -122,10 +122,18 @@ class Asked(Generic[P, A]):
         if client is None:
             return self
 
-        def ask(*arguments: P.args, **options: P.kwargs) -> Any:
-            return client.send(self._make(*arguments, **options))
+        if isinstance(client, Blocking):
 
-        return update_wrapper(ask, self._make)
+            def ask(*arguments: P.args, **options: P.kwargs) -> Any:
+                return client.send(self._make(*arguments, **options))
+
+            return update_wrapper(ask, self._make)
+
+        # What can't be sent is refused as it is awaited, too: several may be gathered.
+        async def awaited(*arguments: P.args, **options: P.kwargs) -> Any:
+            return await client.send(self._make(*arguments, **options))
+
+        return update_wrapper(awaited, self._make)
 
 
 class Scripted(Generic[P, A]):
@@ -146,7 +154,14 @@ class Scripted(Generic[P, A]):
         if client is None:
             return self
 
-        def play(*arguments: P.args, **options: P.kwargs) -> Any:
-            return client.play(self._make(*arguments, **options))
+        if isinstance(client, Blocking):
 
-        return update_wrapper(play, self._make)
+            def play(*arguments: P.args, **options: P.kwargs) -> Any:
+                return client.play(self._make(*arguments, **options))
+
+            return update_wrapper(play, self._make)
+
+        async def awaited(*arguments: P.args, **options: P.kwargs) -> Any:
+            return await client.play(self._make(*arguments, **options))
+
+        return update_wrapper(awaited, self._make)

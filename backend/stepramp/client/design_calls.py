@@ -8,7 +8,7 @@ from urllib.parse import quote
 from stepramp.client.calls import PLANNING_S, PUSHING_S, Call, Pause, Script, get, payload, post
 from stepramp.client.refusals import error_of_items
 from stepramp.design import Design, MethodName
-from stepramp.errors import Refused
+from stepramp.errors import Refused, Rejected, Rejection
 from stepramp.http_api.capture_models import CaptureAnswer, CapturePayload
 from stepramp.http_api.exports_models import ExportPayload
 from stepramp.http_api.jobs_models import JobAnswer
@@ -33,6 +33,8 @@ ADesign = Design | Mapping[str, object]
 """A design, or its document."""
 ASKED_EVERY_S = 0.2
 """How often it is asked how far a job is [s]."""
+MOST_FILE_BYTES = 2**28
+"""Size of the largest file that a server takes [bytes]."""
 
 
 def health() -> Call[HealthAnswer]:
@@ -212,7 +214,10 @@ def export(
 
 
 def capture(content: bytes | Path, design: ADesign | None = None, **wanted: str | float | None) -> Call[CaptureAnswer]:
-    """Show the steps of a logic analyser's file next to a design's. wanted: other parameters of `POST /capture`."""
+    """Show the steps of a logic analyser's file next to a design's. wanted: other parameters of `POST /capture`.
+
+    Of a file no more is read than a server takes. Raises Rejected where it is larger.
+    """
     given = {name: value for name, value in wanted.items() if value is not None}
     checked = CapturePayload.checked(given if design is None else {**given, "design": design})
     parameters = {name: str(value) for name, value in given.items()}
@@ -222,8 +227,16 @@ def capture(content: bytes | Path, design: ADesign | None = None, **wanted: str 
         "POST",
         "capture",
         CaptureAnswer.model_validate_json,
-        content.read_bytes() if isinstance(content, Path) else content,
+        _content_of(content) if isinstance(content, Path) else content,
         content_type="application/octet-stream",
         parameters=parameters,
         patience_s=PUSHING_S,
     )
+
+
+def _content_of(path: Path) -> bytes:
+    with path.open("rb") as file:
+        content = file.read(MOST_FILE_BYTES + 1)
+    if len(content) > MOST_FILE_BYTES:
+        raise Rejected([Rejection("content", str(path), f"a file of up to {MOST_FILE_BYTES:,} bytes")])
+    return content

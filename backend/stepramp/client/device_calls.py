@@ -3,6 +3,7 @@
 Nothing here moves a motor but `move`, `line`, `there_and_back`, `run`, `run_for`, `home` and `zero`.
 """
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from time import monotonic
 from typing import Literal
@@ -42,6 +43,8 @@ from stepramp.http_api.motion_models import (
 
 STOPS_HEADER = "X-StepRamp-Stops"
 KEY_HEADER = "Idempotency-Key"
+MOST_KEY = 200
+"""Length of the longest key that a server takes [characters]."""
 LEASE_S = 2.0
 """So long an axis runs on after whoever makes it run is gone [s]."""
 RENEWED_EVERY_S = 0.5
@@ -362,4 +365,8 @@ def _motion(
 
 
 def _keyed(key: str | None) -> dict[str, str]:
-    return {} if key is None else {KEY_HEADER: key}
+    if key is None:
+        return {}
+    if not re.fullmatch(f"[!-~]{{1,{MOST_KEY}}}", key):
+        raise Rejected([Rejection("key", key, f"1 to {MOST_KEY} visible ASCII characters")])
+    return {KEY_HEADER: key}
