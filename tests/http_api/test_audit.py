@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -82,6 +83,19 @@ def test_a_body_that_cant_be_read_is_written_as_it_was_sent_and_so_is_what_comes
         errors="backslashreplace"
     ).replace(" ", "")
     assert (odd["status"], after["body"]) == (200, {"axes": [0]})
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="modes of Unix")
+def test_its_files_are_its_user_s_alone_also_one_that_was_begun_otherwise(asked: Asked) -> None:
+    asked.post(b"")
+    asked.lines()
+    [file] = asked.folder.iterdir()
+    assert file.stat().st_mode & 0o777 == 0o600
+    file.chmod(0o644)
+    log = AuditLog(asked.folder)
+    log.note({"method": "POST"})
+    log.close()
+    assert file.stat().st_mode & 0o777 == 0o600
 
 
 def test_half_a_surrogate_pair_in_what_is_said_is_written_escaped(asked: Asked) -> None:

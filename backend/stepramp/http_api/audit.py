@@ -9,7 +9,9 @@ import json
 import logging
 import os
 import queue
+import sys
 import threading
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import groupby
@@ -176,13 +178,23 @@ class AuditLog:
         """Write lines; they are logged, and lost, where that can't be done. told_lost: of how many they tell that."""
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
-            with (self._folder / f"{month}.jsonl").open("a", encoding="utf-8", errors="backslashreplace") as file:
+            descriptor = _opened(self._folder / f"{month}.jsonl")
+            with os.fdopen(descriptor, "a", encoding="utf-8", errors="backslashreplace") as file:
                 file.writelines(f"{text}\n" for text in texts)
                 file.flush()
                 os.fsync(file.fileno())
         except OSError:
             self._lose(told_lost or len(texts))
             _logger.exception("The audit log can't be written; what was asked: %s", "\n".join(texts))
+
+
+def _opened(path: Path) -> int:
+    """Open a file to append to that nobody but its user may read, also one that an older version began."""
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
+    if sys.platform != "win32":
+        with suppress(OSError):  # It is another user's: the log goes on.
+            os.fchmod(descriptor, 0o600)
+    return descriptor
 
 
 class Audited:
