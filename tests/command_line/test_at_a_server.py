@@ -61,7 +61,7 @@ def test_a_design_may_come_over_standard_input(ask: Ask, monkeypatch: pytest.Mon
     [
         ("profile design.json --points x", 2, "--points is 'x'; allowed: a whole number."),
         ("profile design.json --points 1", 2, "--points is 1; allowed: a whole number from 10 to"),
-        ("profile absent.json", 2, "design is 'absent.json'; allowed: a file with a design document (No such file"),
+        ("profile absent.json", 2, "DESIGN is 'absent.json'; allowed: a file with a design document (No such file"),
         ("profile", 2, "DESIGN is missing; allowed: file with a design document"),
         ("profile design.json --format xml", 2, "--format is 'xml'; allowed: table, csv, json."),
         ("profile design.json --loud", 2, "--loud is no option of `stepramp profile`; allowed: --alone, --format"),
@@ -78,6 +78,22 @@ def test_a_design_may_come_over_standard_input(ask: Ask, monkeypatch: pytest.Mon
         ("profile design.json --server http://a --alone", 2, "--server is 'http://a'; allowed: nothing, since --alone"),
         ("torque design.json", 2, "motor is missing; allowed: "),
         ("designs diff none 1 2", 1, "There is no design"),
+        ("designs diff none 0 1", 2, "REVISION is '0'; allowed: "),
+        ("designs diff none 1 0", 2, "OTHER is '0'; allowed: "),
+        ("designs diff none x 1", 2, "REVISION is 'x'; allowed: a whole number."),
+        ("designs save design.json --to ID --name other", 2, "--name is 'other'; allowed: nothing with --to"),
+        ("designs save design.json --to ID --notes ''", 2, "--notes is ''; allowed: nothing with --to"),
+        ("designs save design.json --to ID --tag a", 2, "--tag is "),
+        ("designs describe ID", 2, "--name is missing; allowed: at least one of --name, --notes and --tag."),
+        ("designs describe ID --name ' '", 2, "--name is ' '; allowed: a text that isn't empty."),
+        ("designs duplicate ID --name ''", 2, "--name is ''; allowed: a text that isn't empty."),
+        ("designs list Stage Copy", 2, "Copy is too much; allowed: [WORDS], in quotes where it has"),
+        ("devices now", 2, "now is too much; allowed: options only."),
+        ("schedule - -", 2, "DESIGN is '-'; allowed: standard input once only, files besides."),
+        ("capture - --design -", 2, "--design is '-'; allowed: a file, since FILE is standard input."),
+        ("play capture.csv --range 9 --target 0:5", 2, "TABLE is 'capture.csv'; allowed: a file with a lookup table"),
+        ("--install-completion zsh", 2, "--install-completion is 'zsh'; allowed: nothing: it is for the shell"),
+        ("--show-completion nosuch", 2, "--show-completion is 'nosuch'; allowed: nothing: it is for the shell"),
     ],
 )
 def test_a_refusal_names_the_option_or_field_and_what_is_allowed(
@@ -324,12 +340,27 @@ def test_the_shell_completes_commands_and_choices(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("_STEPRAMP_COMPLETE", "complete_bash")
-    for words, number, completed in (("stepramp pus", "1", "push"), ("stepramp fit --kind l", "3", "linear")):
+    for words, number, completed in (
+        ("stepramp pus", "1", "push"),
+        ("stepramp fit --kind l", "3", "linear"),
+        ("stepramp serve --log-level w", "3", "warning"),
+        ("stepramp errors --method ne", "3", "newton"),
+        ("stepramp export c_n", "2", "c_newton"),
+        ("stepramp export --axis-letter Y", "3", "Y"),
+        ("stepramp map --cells 1", "3", "16 128"),
+        ("stepramp status --family kl", "3", "klipper"),
+    ):
         monkeypatch.setenv("COMP_WORDS", words)
         monkeypatch.setenv("COMP_CWORD", number)
         with pytest.raises(SystemExit):
             main([])
-        assert capsys.readouterr().out.split() == [completed]
+        assert capsys.readouterr().out.split() == completed.split()
+    monkeypatch.delenv("COMP_WORDS")
+    assert main([]) == 2
+    assert (
+        capsys.readouterr().err
+        == "stepramp: COMP_WORDS is missing; allowed: what bash sets while it completes a word.\n"
+    )
 
 
 @unix_only

@@ -1,10 +1,13 @@
 import json
+import sys
 from pathlib import Path
 
 import pytest
 
 from designs import document
+from stepramp.command_line import files
 from stepramp.command_line.main import main
+from stepramp.http_api import bodies
 
 
 def test_a_design_is_exported_to_a_file(tmp_path: Path) -> None:
@@ -45,7 +48,7 @@ def test_a_design_is_not_overwritten_by_what_is_made_of_it(
     Path("link.json").symlink_to("design.json")
     target = {"the same": "design.json", "another spelling": f"../{tmp_path.name}/design.json", "a link": "link.json"}
     assert main(["export", "c_newton", "design.json", target[way]]) == 2
-    told = f"stepramp: file is {target[way]!r}; allowed: another file than that of the design.\n"
+    told = f"stepramp: FILE is {target[way]!r}; allowed: another file than that of the design.\n"
     assert capsys.readouterr().err == told
     assert Path("design.json").read_text() == text
 
@@ -53,27 +56,27 @@ def test_a_design_is_not_overwritten_by_what_is_made_of_it(
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["pdf", "design.json", "-"], "format is 'pdf'; allowed: c_table, c_table_progmem"),
+        (["pdf", "design.json", "-"], "FORMAT is 'pdf'; allowed: c_table, c_table_progmem"),
         (["grbl", "design.json", "-", "--axis-letter", "z"], "--axis-letter is 'z'; allowed: X, Y, Z, A, B, C."),
         (["csv", "design.json", "-", "--segment-bound-ticks", "-1"], "--segment-bound-ticks is -1; allowed: "),
-        (["csv", "absent.json", "-"], "design is 'absent.json'; allowed: a file with a design document (No such"),
+        (["csv", "absent.json", "-"], "DESIGN is 'absent.json'; allowed: a file with a design document (No such"),
         (
             ["csv", "text.json", "-"],
-            "design is 'text.json'; allowed: a file with a design document (it is no JSON: line 1",
+            "DESIGN is 'text.json'; allowed: a file with a design document (it is no JSON: line 1",
         ),
         (
             ["csv", "latin.json", "-"],
-            "design is 'latin.json'; allowed: a file with a design document (it is no text in UTF-8 or UTF-16).",
+            "DESIGN is 'latin.json'; allowed: a file with a design document (it is no text in UTF-8 or UTF-16).",
         ),
         (
             ["csv", "large.json", "-"],
-            "design is 'large.json'; allowed: a file with a design document (it is larger than 2,000,000 bytes).",
+            "DESIGN is 'large.json'; allowed: a file with a design document (it is larger than 2,000,000 bytes).",
         ),
-        (["csv", "empty.json", "-"], "design is 'empty.json'; allowed: a file with a design document (it is empty)."),
-        (["csv", "design.json", "."], "file is '.'; allowed: a file that can be written (Is a directory)."),
+        (["csv", "empty.json", "-"], "DESIGN is 'empty.json'; allowed: a file with a design document (it is empty)."),
+        (["csv", "design.json", "."], "FILE is '.'; allowed: a file that can be written (Is a directory)."),
         (["csv", "twice.json", "-"], 'name is ["A", "B"]; allowed: one value, given once.'),
         (["csv", "wrong.json", "-"], "timer.frequency_hz is 0; allowed: a number from 1,000"),
-        (["csv", "design.json", "absent/steps.csv"], "file is 'absent/steps.csv'; allowed: a file that can be written"),
+        (["csv", "design.json", "absent/steps.csv"], "FILE is 'absent/steps.csv'; allowed: a file that can be written"),
     ],
 )
 def test_what_can_t_be_exported_is_told(
@@ -89,3 +92,16 @@ def test_what_can_t_be_exported_is_told(
     Path("wrong.json").write_text(json.dumps(document(timer__frequency_hz=0)))
     assert main(["export", *words]) == 2
     assert capsys.readouterr().err.startswith(f"stepramp: {message}")
+
+
+@pytest.mark.parametrize("source", ["/dev/zero", "-"])
+@pytest.mark.skipif(sys.platform == "win32", reason="files without an end of Unix")
+def test_a_capture_without_an_end_is_refused(
+    source: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert files.MOST_FILE_BYTES == bodies.MOST_FILE_BYTES
+    monkeypatch.setattr(files, "MOST_FILE_BYTES", 100_000)
+    with Path("/dev/zero").open() as endless:
+        monkeypatch.setattr(sys, "stdin", endless)
+        assert main(["capture", source, "--alone"]) == 2
+    assert capsys.readouterr().err == f"stepramp: FILE is '{source}'; allowed: a file of up to 100,000 bytes.\n"

@@ -42,16 +42,6 @@ def port(board: BoardProcess) -> str:
 
 
 @pytest.fixture
-def moving(ask: Ask, port: str, folder: Path) -> None:
-    """Have the board move by itself: the program that has set it in motion was killed."""
-    del folder
-    assert ask(f"push slow.json --port {port} --yes").code == 0
-    with _moving(port) as process:
-        process.kill()
-    assert _state(ask, port) == "moving"
-
-
-@pytest.fixture
 def serve() -> Iterator[Serve]:
     """Return what begins a server that has devices, as state and port of each, and leaves a note."""
     with ExitStack() as running:
@@ -71,8 +61,9 @@ def serve() -> Iterator[Serve]:
         yield served
 
 
-def _moving(port: str) -> subprocess.Popen[str]:
+def _moving(ask: Ask, port: str) -> subprocess.Popen[str]:
     """Begin a move that takes hours."""
+    assert ask(f"push slow.json --port {port} --yes").code == 0
     process = begun(f"move --port {port} --by 4000000 --alone", stderr=subprocess.PIPE)
     assert process.stderr is not None
     assert "Ctrl+C stops it" in process.stderr.readline()
@@ -83,8 +74,11 @@ def _state(ask: Ask, port: str) -> Any:
     return json.loads(ask(f"status --alone --port {port} --format json").out)["state"]
 
 
-@pytest.mark.usefixtures("moving")
 def test_what_moves_by_itself_is_stopped_though_another_server_runs(ask: Ask, port: str, serve: Serve) -> None:
+    """The program that has set it in motion was killed."""
+    with _moving(ask, port) as process:
+        process.kill()
+    assert _state(ask, port) == "moving"
     servers = serve(("ready", "sim://")), serve()
     told = ask(f"stop --port {port}")
     assert (told.code, told.err) == (0, "")
@@ -113,20 +107,21 @@ def test_what_a_server_has_is_stopped_by_it_whatever_its_port_is_called(
     ]
 
 
-@pytest.mark.parametrize("has_server", [False, True])
-def test_a_port_that_another_program_has_is_told_as_not_stopped(
-    ask: Ask, port: str, serve: Serve, has_server: bool
-) -> None:
-    assert ask(f"push slow.json --port {port} --yes").code == 0
-    if has_server:
+def test_a_port_that_another_program_has_is_told_as_not_stopped(ask: Ask, port: str, serve: Serve) -> None:
+    with _moving(ask, port) as process:
+        without_a_server = ask(f"stop --port {port}")
         serve(("ready", "sim://"))
-    with _moving(port) as process:
         told = ask(f"stop --port {port}")
         process.terminate()
-    assert (told.code, told.err) == (
-        3,
-        f"stepramp: Port {port} was NOT stopped: Port {port} is in use by another program: end that first. If it "
-        "moves, cut the motor's power.\n",
+    assert told.out == "Stopped: device 7 at sim://, ready, axis 0 at 40 steps.\n"
+    assert (
+        (told.code, told.err)
+        == (without_a_server.code, without_a_server.err)
+        == (
+            3,
+            f"stepramp: Port {port} was NOT stopped: Port {port} is in use by another program: end that first. If it "
+            "moves, cut the motor's power.\n",
+        )
     )
 
 
@@ -147,7 +142,6 @@ def test_a_family_that_there_is_not_is_told_as_not_stopped(ask: Ask, port: str) 
     assert (told.code, "was NOT stopped: " in told.err, "nosuch" in told.err) == (2, True, True)
 
 
-@pytest.mark.usefixtures("moving")
 def test_what_its_server_has_lost_is_stopped_without_it(ask: Ask, port: str, serve: Serve) -> None:
     """It is told to the server that lost it, too, which owes it the stop: so it isn't all done."""
     serve(("lost", port))
@@ -163,7 +157,6 @@ def test_what_its_server_is_connecting_is_left_to_it(ask: Ask, port: str, serve:
     assert told.err == f"stepramp: Device 7 at {port} is connecting: it is stopped as soon as it answers.\n"
 
 
-@pytest.mark.usefixtures("moving")
 def test_a_server_that_is_silent_keeps_the_port_from_nothing(
     ask: Ask, port: str, serve: Serve, monkeypatch: pytest.MonkeyPatch
 ) -> None:

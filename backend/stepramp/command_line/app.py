@@ -1,5 +1,7 @@
 """The program with all of its commands, and what it ends with."""
 
+import os
+import re
 import sys
 from collections.abc import Sequence
 from typing import Annotated, Any
@@ -7,7 +9,8 @@ from typing import Annotated, Any
 import typer
 
 from stepramp.command_line.exit_codes import FAILED, INTERRUPTED, MEANINGS, NOBODY_THERE, OK, WRONG_INPUT
-from stepramp.errors import DeviceLost, NoServer, Rejected, StepRampError, shown
+from stepramp.command_line.main import COMPLETION_VARIABLE
+from stepramp.errors import DeviceLost, NoServer, Rejected, Rejection, StepRampError, shown
 from stepramp.version import __version__
 
 NAME = "stepramp"
@@ -38,6 +41,7 @@ def program() -> typer.Typer:
 def run(words: Sequence[str]) -> int:
     """Do what the command line says; return the exit code."""
     try:
+        _refuse_words_of_completion(words)
         made = _light() if words[:1] == ["serve"] or words == ["--version"] else program()
         code = made(words, prog_name=NAME, standalone_mode=False)
         if sys.stdout is not None:  # It may be closed.
@@ -64,6 +68,17 @@ def run(words: Sequence[str]) -> int:
         if not hasattr(error, "format_message"):
             raise
         return _told(_in_words(error), WRONG_INPUT)
+
+
+def _refuse_words_of_completion(words: Sequence[str]) -> None:
+    """Refuse what Typer would drop, or not understand, about completion. Raises Rejected."""
+    if words[:1] in (["--install-completion"], ["--show-completion"]) and len(words) > 1:
+        raise Rejected([Rejection(words[0], words[1], "nothing: it is for the shell that it is called from")])
+    if os.environ.get(COMPLETION_VARIABLE) == "complete_bash":
+        for name in ("COMP_WORDS", "COMP_CWORD"):
+            given = os.environ.get(name)
+            if given is None or (name == "COMP_CWORD" and not re.fullmatch("[0-9]{1,9}", given)):
+                raise Rejected([Rejection(name, given, "what bash sets while it completes a word")])
 
 
 def _code_of(error: StepRampError) -> int:
@@ -110,6 +125,11 @@ def _in_words(error: Any) -> str:
         named = str(error).partition("'")[2].partition("'")[0]
         return f"command is {shown(named or None)}; allowed: {', '.join(context.command.commands)}."
     words = str(error.format_message())
+    extra = re.match(r"Got unexpected extra arguments?(?:\(s\))? \((.*)\)", words)
+    if context is not None and extra is not None:
+        arguments = [each.metavar for each in context.command.params if each.param_type_name == "argument"]
+        allowed = f"{', '.join(arguments)}, in quotes where it has blanks" if arguments else "options only"
+        return f"{extra[1]} is too much; allowed: {allowed}."
     return words if words.endswith(".") else f"{words}."
 
 

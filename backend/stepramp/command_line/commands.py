@@ -3,7 +3,7 @@
 import inspect
 import re
 import types
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import partial
@@ -73,6 +73,18 @@ def command(app: typer.Typer, name: str, *, example: str, group: str = "") -> Ca
     return register
 
 
+def completing(names: Callable[[], Iterable[str]]) -> Callable[[str], list[str]]:
+    """Return what completes a word to one of some names, which are looked up only then."""
+    return lambda incomplete: [each for each in names() if each.startswith(incomplete)]
+
+
+def family_names() -> list[str]:
+    """Return the names of the families of controllers."""
+    from stepramp.controllers.families import FAMILIES  # noqa: PLC0415  # only to complete a word
+
+    return list(FAMILIES)
+
+
 def renamed(error: Rejected, labels: dict[str, str]) -> Rejected:
     """Return a rejection with fields called as on the command line; those of designs as in their file."""
     rejections = []
@@ -121,7 +133,7 @@ def _parameters(function: Callable[..., None]) -> tuple[list[inspect.Parameter],
             told += [
                 _option("device", str | None, None, DEVICE_HELP, "ID"),
                 _option("port", str | None, None, PORT_HELP, "PORT"),
-                _option("family", str | None, None, FAMILY_HELP, "NAME"),
+                _option("family", str | None, None, FAMILY_HELP, "NAME", family_names),
             ]
         else:
             annotation, reader = _as_text(hints[name])
@@ -131,8 +143,16 @@ def _parameters(function: Callable[..., None]) -> tuple[list[inspect.Parameter],
     return told, readers
 
 
-def _option(name: str, kind: Any, default: object, help_text: str, metavar: str | None = None) -> inspect.Parameter:
-    option = typer.Option(f"--{name}", help=help_text, metavar=metavar)
+def _option(
+    name: str,
+    kind: Any,
+    default: object,
+    help_text: str,
+    metavar: str | None = None,
+    names: Callable[[], Iterable[str]] | None = None,
+) -> inspect.Parameter:
+    completion = None if names is None else completing(names)
+    option = typer.Option(f"--{name}", help=help_text, metavar=metavar, autocompletion=completion)
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, option])
 
 
@@ -153,7 +173,7 @@ def _as_text(annotation: Any) -> tuple[Any, Callable[[str, str], object] | None]
     elif get_origin(inner) is Literal:
         names = get_args(inner)
         info.metavar = info.metavar or "|".join(names)
-        info.autocompletion = lambda incomplete: [each for each in names if each.startswith(incomplete)]
+        info.autocompletion = completing(lambda: names)
 
         def reader(label: str, text: str) -> object:
             if text in names:
@@ -189,7 +209,8 @@ def _number(label: str, text: str) -> float:
 
 
 def _label(parameter: inspect.Parameter) -> str:
-    """Return what a parameter is called on the command line."""
+    """Return what a parameter is called on the command line: its option, or an argument as in the help."""
     info = get_args(parameter.annotation)[1]
     declared: Sequence[str] = [each for each in (info.default, *(info.param_decls or ())) if isinstance(each, str)]
-    return next((each.split("/")[0] for each in declared if each.startswith("--")), parameter.name)
+    called = (info.metavar or parameter.name).strip("[]").removesuffix("...")
+    return next((each.split("/")[0] for each in declared if each.startswith("--")), called)

@@ -9,6 +9,7 @@ from stepramp.command_line.commands import command
 from stepramp.command_line.files import DesignFile, design_of, write
 from stepramp.command_line.output import Format, FormatName, Rows, figure, show
 from stepramp.command_line.where import Where
+from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.library_models import KeptAnswer
 
 GROUP = "designs"
@@ -66,15 +67,21 @@ def saved(
     name: Annotated[
         str | None, typer.Option("--name", metavar="TEXT", help="of a new one; else the design's own")
     ] = None,
-    notes: Annotated[str, typer.Option("--notes", metavar="TEXT", help="of a new one")] = "",
-    tags: Tags = None,
+    notes: Annotated[str | None, typer.Option("--notes", metavar="TEXT", help="of a new one")] = None,
+    tags: Annotated[
+        list[str] | None, typer.Option("--tag", metavar="TAG", help="of a new one; may be repeated")
+    ] = None,
     note: Note = "",
     format: Format = "table",
 ) -> None:
     """Save a design in the library."""
+    for option, value in (("--name", name), ("--notes", notes), ("--tag", tags)):
+        if to is not None and value is not None:
+            allowed = "nothing with --to: `stepramp designs describe` changes what a design is called"
+            raise Rejected([Rejection(option, value, allowed)])
     planned = design_of(design)
     if to is None:
-        kept = where.client.add_design(planned, name=name, notes=notes, tags=tags or [], note=note)
+        kept = where.client.add_design(planned, name=name, notes=notes or "", tags=tags or [], note=note)
     else:
         kept = where.client.save_revision(to, where.client.kept_design(to).version, planned, note=note)
     _tell_kept(kept, format)
@@ -107,6 +114,7 @@ def duplicate(
     format: Format = "table",
 ) -> None:
     """Keep a copy of a design's newest revision as a design of its own."""
+    _refuse_nameless(name)
     _tell_kept(where.client.duplicate_design(design_id, name), format)
 
 
@@ -119,6 +127,9 @@ def describe(
     format: Format = "table",
 ) -> None:
     """Name a design anew; what isn't given stays."""
+    if name is None and notes is None and tags is None:
+        raise Rejected([Rejection("--name", None, "at least one of --name, --notes and --tag")])
+    _refuse_nameless(name)
     before = where.client.kept_design(design_id)
     kept = where.client.describe_design(
         design_id,
@@ -128,6 +139,11 @@ def describe(
         tags=before.tags if tags is None else tags,
     )
     _tell_kept(kept, format)
+
+
+def _refuse_nameless(name: str | None) -> None:
+    if name is not None and not name.strip():
+        raise Rejected([Rejection("--name", name, "a text that isn't empty")])
 
 
 def _tell_kept(kept: KeptAnswer, how: FormatName) -> None:

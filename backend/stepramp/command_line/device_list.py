@@ -7,7 +7,7 @@ import typer
 from rich.console import Console
 from rich.live import Live
 
-from stepramp.command_line.commands import FAMILY_HELP, Find, command
+from stepramp.command_line.commands import FAMILY_HELP, Find, command, completing, family_names
 from stepramp.command_line.output import Format, Rows, as_table, show, tell, warn, write_csv
 from stepramp.command_line.where import Where
 from stepramp.errors import Rejected, Rejection
@@ -45,7 +45,10 @@ def devices(where: Where, format: Format = "table") -> None:
 def connect(
     where: Where,
     port: Annotated[str, typer.Argument(metavar="PORT", help="what `stepramp ports` lists; sim:// is a virtual one")],
-    family: Annotated[str | None, typer.Option("--family", metavar="NAME", help=FAMILY_HELP)] = None,
+    family: Annotated[
+        str | None,
+        typer.Option("--family", metavar="NAME", help=FAMILY_HELP, autocompletion=completing(family_names)),
+    ] = None,
     format: Format = "table",
 ) -> None:
     """Have the server connect to a controller, and keep it connected. Nothing moves."""

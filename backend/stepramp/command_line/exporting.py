@@ -1,13 +1,15 @@
 """Commands that write a design as a file, and that read what a logic analyser captured."""
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 import typer
 
-from stepramp.command_line.commands import command
+from stepramp.command_line.commands import command, completing
 from stepramp.command_line.files import DesignFile, bytes_of, design_of, refuse_same, write
 from stepramp.command_line.output import Format, Rows, show, tell, warn
 from stepramp.command_line.where import Where
+from stepramp.errors import Rejected, Rejection
 
 
 def add(app: typer.Typer) -> None:
@@ -16,10 +18,21 @@ def add(app: typer.Typer) -> None:
     command(app, "capture", example="stepramp capture capture.csv --design design.json")(capture)
 
 
+def _format_names() -> Sequence[str]:
+    from stepramp.exports.export import FORMAT_NAMES  # noqa: PLC0415  # only to complete a word
+
+    return FORMAT_NAMES
+
+
 def export(
     where: Where,
     format: Annotated[
-        str, typer.Argument(metavar="FORMAT", help="c_table, c_newton, grbl, csv, html …; a wrong one lists them all")
+        str,
+        typer.Argument(
+            metavar="FORMAT",
+            help="c_table, c_newton, grbl, csv, html …; a wrong one lists them all",
+            autocompletion=completing(_format_names),
+        ),
     ],
     design: DesignFile,
     file: Annotated[str, typer.Argument(metavar="FILE", help="file to write, - for standard output")],
@@ -29,6 +42,7 @@ def export(
             "--axis-letter",
             metavar="LETTER",
             help="axis of a machine that ramps by itself, such as grbl: X, Y, Z, A, B or C",
+            autocompletion=completing(lambda: "XYZABC"),
         ),
     ] = "X",
     segment_bound_ticks: Annotated[
@@ -71,9 +85,11 @@ def capture(
     format: Format = "table",
 ) -> None:
     """Show the steps that a logic analyser captured, next to a design's. CSV has a row for each step."""
+    if file == design == "-":
+        raise Rejected([Rejection("--design", design, "a file, since FILE is standard input")])
     planned = None if design is None else design_of(design, "--design")
     answer = where.client.capture(
-        bytes_of(file, "file"),
+        bytes_of(file, "FILE"),
         planned,
         step_channel=step_channel,
         direction_channel=direction_channel,

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from stepramp.client.design_calls import MOST_FILE_BYTES
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.json_text import parsed_json
@@ -19,7 +20,7 @@ DesignFiles = Annotated[
 ]
 
 
-def design_of(source: str, field: str = "design") -> Design:
+def design_of(source: str, field: str = "DESIGN") -> Design:
     """Return the design of a file. Raises Rejected when it can't be read, or is none."""
     document = document_of(source, field, "a file with a design document")
     return Design.checked(document)
@@ -27,6 +28,8 @@ def design_of(source: str, field: str = "design") -> Design:
 
 def designs_of(sources: list[str]) -> list[Design]:
     """Return the designs of files; what is refused of one names its file."""
+    if sources.count("-") > 1:
+        raise Rejected([Rejection("DESIGN", "-", "standard input once only, files besides")])
     designs = []
     for source in sources:
         try:
@@ -58,21 +61,24 @@ def text_of(source: str) -> str:
 
 
 def bytes_of(source: str, field: str) -> bytes:
-    """Return the content of a file of any kind. Raises Rejected when it can't be read."""
+    """Return the content of a file of any kind. Raises Rejected when it can't be read, or is larger than any taken."""
     try:
         with sys.stdin.buffer if source == "-" else Path(source).open("rb") as file:
-            return file.read()
+            content = file.read(MOST_FILE_BYTES + 1)
     except OSError as error:
         raise Rejected([Rejection(field, source, f"a file that can be read ({why(error)})")]) from None
+    if len(content) > MOST_FILE_BYTES:
+        raise Rejected([Rejection(field, source, f"a file of up to {MOST_FILE_BYTES:,} bytes")])
+    return content
 
 
 def refuse_same(source: str, target: str) -> None:
     """Refuse to overwrite the file that something was made of."""
     if "-" not in (source, target) and Path(target).exists() and Path(source).samefile(target):
-        raise Rejected([Rejection("file", target, "another file than that of the design")])
+        raise Rejected([Rejection("FILE", target, "another file than that of the design")])
 
 
-def write(target: str, content: bytes, field: str = "file") -> None:
+def write(target: str, content: bytes, field: str = "FILE") -> None:
     """Write a file. Raises Rejected when it can't be written."""
     try:
         if target == "-":

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from stepramp.command_line.commands import command
+from stepramp.command_line.commands import command, completing
 from stepramp.command_line.files import DesignFile, design_of
 from stepramp.command_line.output import Format, Rows, progress, show, tell
 from stepramp.command_line.where import Where
@@ -84,7 +84,14 @@ def stall_map(
         typer.Option("--over", help="what is varied beside the acceleration"),
     ] = "slew_speed",
     range: Ends = None,
-    cells: Annotated[int | None, typer.Option("--cells", help="along each side: 8, 16, 32, 64 or 128")] = None,
+    cells: Annotated[
+        int | None,
+        typer.Option(
+            "--cells",
+            help="along each side: 8, 16, 32, 64 or 128",
+            autocompletion=completing(lambda: ("8", "16", "32", "64", "128")),
+        ),
+    ] = None,
     format: Format = "table",
 ) -> None:
     """Have a stall map computed: verdicts over the acceleration and another value. CSV has a row for each point."""

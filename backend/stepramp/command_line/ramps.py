@@ -4,11 +4,12 @@ from typing import Annotated, Literal
 
 import typer
 
-from stepramp.command_line.commands import command
+from stepramp.command_line.commands import command, completing
 from stepramp.command_line.files import DesignFile, DesignFiles, design_of, designs_of, document_of
 from stepramp.command_line.output import Format, Rows, show, warn
 from stepramp.command_line.where import Where
 from stepramp.errors import Rejected, Rejection
+from stepramp.methods import METHODS
 
 MostPoints = Annotated[
     int | None, typer.Option("--points", help="thin to about so many steps that keep the curve's shape; else all")
@@ -50,9 +51,23 @@ def profile(where: Where, design: DesignFile, max_points: MostPoints = None, for
 def errors(
     where: Where,
     design: DesignFile,
-    methods: Annotated[list[str], typer.Option("--method", metavar="NAME", help="method to compare; may be repeated")],
+    methods: Annotated[
+        list[str],
+        typer.Option(
+            "--method",
+            metavar="NAME",
+            help="method to compare; may be repeated",
+            autocompletion=completing(lambda: METHODS),
+        ),
+    ],
     reference: Annotated[
-        str | None, typer.Option("--reference", metavar="NAME", help="method that they are compared with")
+        str | None,
+        typer.Option(
+            "--reference",
+            metavar="NAME",
+            help="method that they are compared with",
+            autocompletion=completing(lambda: METHODS),
+        ),
     ] = None,
     max_points: MostPoints = None,
     format: Format = "table",
@@ -135,11 +150,11 @@ def play(
     format: Format = "table",
 ) -> None:
     """Play a lookup table as a gauge library does. CSV has a row for each step."""
-    document = document_of(table, "table", A_TABLE)
+    document = document_of(table, "TABLE", A_TABLE)
     if isinstance(document, dict) and "timer" in document:
         document = document.get("table")
     if not isinstance(document, dict):
-        raise Rejected([Rejection("table", table, A_TABLE)])
+        raise Rejected([Rejection("TABLE", table, A_TABLE)])
     answer = where.client.play_table(document, range_steps, [_target(each) for each in targets])
     names = ("at_us", "position", "direction", "ramp_index", "delay_us")
     steps = Rows(names, zip(*(getattr(answer.steps, name) for name in names), strict=True))

@@ -21,6 +21,12 @@ def add_stop(app: typer.Typer) -> None:
     app.command("stop", epilog=f"Example: {STOP_EXAMPLE}")(stop)
 
 
+def _families(incomplete: str) -> list[str]:
+    from stepramp.controllers.families import FAMILIES  # noqa: PLC0415  # only to complete a word
+
+    return [each for each in FAMILIES if each.startswith(incomplete)]
+
+
 def serve(
     host: Annotated[
         str,
@@ -72,6 +78,7 @@ def serve(
         typer.Option(
             "--log-level",
             metavar="LEVEL",
+            autocompletion=lambda incomplete: [each for each in LOG_LEVELS if each.startswith(incomplete)],
             help=f"how much is told of what goes on, up to each byte: {', '.join(LOG_LEVELS)}",
         ),
     ] = "warning",
@@ -109,7 +116,8 @@ def stop(
         typer.Option("--port", metavar="PORT", help="what is stopped besides, without a server where none has it"),
     ] = None,
     family: Annotated[
-        str, typer.Option("--family", metavar="NAME", help="family of the controller at --port")
+        str,
+        typer.Option("--family", metavar="NAME", help="family of the controller at --port", autocompletion=_families),
     ] = stopping.USUAL_FAMILY,
 ) -> None:
     """STOP all motors, at once, whatever else hangs; asked for again until it is answered. It is final.
