@@ -1,11 +1,14 @@
 from __future__ import annotations
 
 import io
+import json
+import sys
 
 import pytest
 from rich.console import Console
 
-from stepramp.command_line.output import Rows, as_table, figure, write_csv
+from stepramp.command_line.output import Rows, as_table, figure, show, tell, write_csv
+from stepramp.http_api.library_models import KeptAnswer
 
 ROWS = Rows(
     ("device", "state", "position [steps]", "limits [steps]"), [("1", "stopping", -2_000_000, "-100000…1000000")], "One"
@@ -32,3 +35,31 @@ def test_csv_has_numbers_as_they_are_and_nothing_for_what_isn_t_there(capsys: py
 )
 def test_figures_are_as_people_read_them(value: object, text: str) -> None:
     assert figure(value) == text
+
+
+STEERING = "a\x1b[31m\x9b2J\a\u202eb\n\t\U000e0041 é 日 \N{WAVING WHITE FLAG}\u200d\N{RAINBOW}"
+"""Colours, clears the screen, rings, and turns the order of letters; the rest is text."""
+SHOWN = "a\\x1b[31m\\x9b2J\\x07\\u202eb\n\t\\U000e0041 é 日 \N{WAVING WHITE FLAG}\u200d\N{RAINBOW}"
+
+
+def test_text_of_others_steers_no_terminal(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    rows = Rows(("a",), [(STEERING,)], title=STEERING)
+    written = io.StringIO()
+    Console(file=written, width=400).print(as_table(rows))
+    tell(STEERING)
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    write_csv(rows)
+    told = capsys.readouterr()
+    answer = KeptAnswer.model_construct(name=STEERING)
+    show("json", answer)
+    as_json = capsys.readouterr().out
+    for text in (written.getvalue(), told.err, told.out, as_json):
+        assert not {"\x1b", "\x9b", "\a", "\u202e", "\U000e0041"} & set(text)
+    assert told.err == f"stepramp: {SHOWN}\n"
+    assert told.out == f'a\n"{SHOWN}"\n'
+    assert json.loads(as_json)["name"] == STEERING
+
+
+def test_a_program_is_given_text_as_it_is(capsys: pytest.CaptureFixture[str]) -> None:
+    write_csv(Rows(("a",), [("\x1b\u202e",)]))
+    assert capsys.readouterr().out == "a\n\x1b\u202e\n"

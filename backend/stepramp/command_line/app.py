@@ -10,6 +10,7 @@ import typer
 
 from stepramp.command_line.exit_codes import FAILED, INTERRUPTED, MEANINGS, NOBODY_THERE, OK, WRONG_INPUT
 from stepramp.command_line.main import COMPLETION_VARIABLE
+from stepramp.command_line.visible import visible
 from stepramp.errors import DeviceLost, NoServer, Rejected, Rejection, StepRampError, shown
 from stepramp.version import __version__
 
@@ -135,5 +136,5 @@ def _in_words(error: Any) -> str:
 
 def _told(words: str, code: int) -> int:
     if sys.stderr is not None:
-        print(f"{NAME}: {words}", file=sys.stderr, flush=True)
+        print(f"{NAME}: {visible(words)}", file=sys.stderr, flush=True)
     return code

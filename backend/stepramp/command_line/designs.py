@@ -8,6 +8,7 @@ import typer
 from stepramp.command_line.commands import command
 from stepramp.command_line.files import DesignFile, design_of, write
 from stepramp.command_line.output import Format, FormatName, Rows, figure, show
+from stepramp.command_line.visible import visible_json
 from stepramp.command_line.where import Where
 from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.library_models import KeptAnswer
@@ -54,7 +55,8 @@ def shown(
     """Write the document of a design, as it was saved."""
     number = where.client.kept_design(design_id).revisions if revision is None else revision
     document = where.client.revision(design_id, number).design
-    write(file, (json.dumps(document, ensure_ascii=False, indent=2) + "\n").encode(), "--output")
+    text = visible_json(json.dumps(document, ensure_ascii=False, indent=2))
+    write(file, f"{text}\n".encode(), "--output")
 
 
 def saved(

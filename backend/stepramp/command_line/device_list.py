@@ -9,6 +9,7 @@ from rich.live import Live
 
 from stepramp.command_line.commands import FAMILY_HELP, Find, command, completing, family_names
 from stepramp.command_line.output import Format, Rows, as_table, show, tell, warn, write_csv
+from stepramp.command_line.visible import visible_json
 from stepramp.command_line.where import Where
 from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.devices_models import DeviceAnswer, DevicesAnswer
@@ -97,7 +98,7 @@ def _watch(where: Where, device: DeviceAnswer, for_s: float | None, format: str)
                 if live is not None:
                     live.update(as_table(axes_of(now)), refresh=True)
                 elif format == "json":
-                    print(now.model_dump_json(by_alias=True), flush=True)
+                    print(visible_json(now.model_dump_json(by_alias=True)), flush=True)
                 else:
                     # One header for all of them.
                     listed = Rows(AXIS_COLUMNS, rows)

@@ -16,6 +16,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 from rich.table import Table
 from rich.text import Text
 
+from stepramp.command_line.visible import visible, visible_json
 from stepramp.errors import Rejected, Rejection
 
 FormatName = Literal["table", "csv", "json"]
@@ -40,7 +41,7 @@ class Rows:
 def show(how: FormatName, answer: BaseModel, *tables: Rows, listed: Rows | None = None) -> None:
     """Print an answer: as tables for people, as one list of rows, or as it is. listed: the rows of CSV, if others."""
     if how == "json":
-        print(answer.model_dump_json(indent=2, by_alias=True, exclude_unset=True))
+        print(visible_json(answer.model_dump_json(indent=2, by_alias=True, exclude_unset=True)))
     elif how == "csv":
         write_csv(listed or tables[0])
     else:
@@ -52,22 +53,28 @@ def show(how: FormatName, answer: BaseModel, *tables: Rows, listed: Rows | None 
 
 
 def write_csv(rows: Rows) -> None:
-    """Print rows as CSV; what isn't there is empty."""
-    writer = csv.writer(sys.stdout, lineterminator="\n")
+    """Print rows as CSV; what isn't there is empty. Programs are given each text as it is, a terminal isn't."""
+    writer, is_seen = csv.writer(sys.stdout, lineterminator="\n"), sys.stdout.isatty()
     writer.writerow(rows.columns)
-    writer.writerows(["" if value is None else value for value in row] for row in rows.rows)
+    writer.writerows([_in_csv(value, is_seen=is_seen) for value in row] for row in rows.rows)
+
+
+def _in_csv(value: object, *, is_seen: bool) -> object:
+    if value is None:
+        return ""
+    return visible(value) if is_seen and isinstance(value, str) else value
 
 
 def as_table(rows: Rows) -> Table:
     """Return rows as a table for people."""
-    title = Text(rows.title) if rows.title else None
+    title = Text(visible(rows.title)) if rows.title else None
     table = Table(title=title, title_justify="left", box=None, pad_edge=False, show_edge=False)
     listed = [list(row) for row in rows.rows]
     for number, column in enumerate(rows.columns):
         is_number = all(isinstance(row[number], int | float) or row[number] is None for row in listed)
-        table.add_column(Text(column), justify="right" if is_number and listed else "left", overflow="fold")
+        table.add_column(Text(visible(column)), justify="right" if is_number and listed else "left", overflow="fold")
     for row in listed:
-        table.add_row(*(Text(figure(value)) for value in row))
+        table.add_row(*(Text(visible(figure(value))) for value in row))
     return table
 
 
@@ -83,7 +90,7 @@ def figure(value: object) -> str:
 def tell(words: str) -> None:
     """Tell something that is no result."""
     if sys.stderr is not None:  # It may be closed; print would take standard output then.
-        print(f"stepramp: {words}", file=sys.stderr, flush=True)
+        print(f"stepramp: {visible(words)}", file=sys.stderr, flush=True)
 
 
 def refuse_closed_output() -> None:

@@ -9,6 +9,7 @@ from stepramp.command_line.commands import Find, command
 from stepramp.command_line.exit_codes import FAILED
 from stepramp.command_line.files import DesignFiles, designs_of
 from stepramp.command_line.output import Format, FormatName, Rows, as_table, progress_asked, show, tell, warn
+from stepramp.command_line.visible import visible
 from stepramp.command_line.where import Where
 from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.devices_models import DeviceAnswer, PreviewAnswer, PushedAnswer
@@ -75,7 +76,7 @@ def refuse_unasked(yes: bool) -> None:
 
 def asked(question: str) -> bool:
     """Ask at the terminal; anything but yes is no."""
-    print(f"{question} [y/N] ", end="", file=sys.stderr, flush=True)
+    print(f"{visible(question)} [y/N] ", end="", file=sys.stderr, flush=True)
     is_yes = sys.stdin.readline().strip().lower() in ("y", "yes")
     if not is_yes:
         tell("nothing was sent")

@@ -15,6 +15,7 @@ from typing import Any
 from stepramp.client.servers import Server, named, running
 from stepramp.client.urgent import ask_to_stop, stop_until_answered
 from stepramp.command_line.exit_codes import FAILED, INTERRUPTED, NOBODY_THERE, OK, WRONG_INPUT
+from stepramp.command_line.visible import visible
 from stepramp.errors import NoServer, Rejected, StepRampError
 
 WITH_VALUE = ("--device", "--axis", "--server", "--port", "--family")
@@ -240,11 +241,11 @@ def _send_at_once(port: str) -> None:
 def _say(words: str) -> None:
     """Print what was done; where that can't be written, it was done all the same."""
     try:
-        print(words, flush=True)
+        print(visible(words), flush=True)
     except OSError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 
 
 def _tell(words: str) -> None:
     if sys.stderr is not None:
-        print(f"stepramp: {words}", file=sys.stderr, flush=True)
+        print(f"stepramp: {visible(words)}", file=sys.stderr, flush=True)
