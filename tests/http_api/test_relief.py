@@ -205,10 +205,12 @@ def test_what_becomes_of_the_processes_every_request_is_answered(
         assert await crowd.ask(20 * MANY) == [b"here"] * 20 * MANY
         assert not await crowd.is_relieved()
         assert "They don't answer" in caplog.text
-        other.kill()
 
     async def they_are_begun_anew_and_end_when_nobody_asks() -> None:
         crowd.relief._end()
+        # Those that stand still, too, would else be there for ever, and keep the server from its end.
+        while children():
+            await asyncio.sleep(0.05)
         monkeypatch.setattr(relief, "NEEDED_S", 1.0)
         await crowd.until_relieved()
         while children():
@@ -245,6 +247,19 @@ def test_one_that_ends_by_itself_is_done_without_until_others_are_begun(
 
     monkeypatch.setattr(relief, "NEEDED_S", 1.0)
     caplog.set_level(logging.WARNING)
+    run(with_lifespan(crowd.relief, work, PATIENCE_S))
+
+
+@pytest.mark.parametrize("after_s", [0.0, 0.01, 0.1, 0.3, 1.0])
+def test_none_is_left_that_was_begun_while_they_were_ended(crowd: Crowd, after_s: float) -> None:
+    async def work() -> None:
+        await crowd.ask()
+        await asyncio.sleep(after_s)
+        crowd.relief._end()
+        await asyncio.sleep(1.0)
+        while children():
+            await asyncio.sleep(0.05)
+
     run(with_lifespan(crowd.relief, work, PATIENCE_S))
 
 

@@ -12,7 +12,8 @@ import sys
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
-from multiprocessing import get_context
+from multiprocessing.context import SpawnContext, SpawnProcess
+from typing import Any
 
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -28,7 +29,7 @@ MANY = 8
 """So many who ask for a profile at a time are served by the server's process itself."""
 MOST_PROCESSES = 3
 """More would plan more than the server's process can take in and send."""
-A_PROCESS_BYTES = 150_000_000
+A_PROCESS_BYTES = 190_000_000
 SHARE = 1 / 8
 """Of the machine's memory, for all processes together."""
 MOST_TOGETHER = 8
@@ -121,6 +122,32 @@ class Relief:
             self._processes = None
 
 
+class Spawning(SpawnContext):
+    """Begins processes for a pool, and knows them: the pool itself waits for ever for one that stands still.
+
+    None is forked: a copy of this process would have its devices, its sockets, and locks that nobody opens.
+    """
+
+    def __init__(self) -> None:
+        self._begun: list[SpawnProcess] = []
+        self.has_ended = False
+
+    def Process(self, *arguments: Any, **named: Any) -> SpawnProcess:  # type: ignore[override]  # noqa: N802  # its name
+        """Return a process that is to be started."""
+        if self.has_ended:
+            raise OSError("They have been ended.")
+        process = SpawnProcess(*arguments, **named)
+        self._begun.append(process)
+        return process
+
+    def end(self) -> None:
+        """Kill all of them; what they have in hand is of no use any more."""
+        self.has_ended = True
+        for process in self._begun:
+            if process.pid is not None:
+                process.kill()
+
+
 class Processes:
     """Processes that plan, asked in the server's event loop. Whatever becomes of them, all that is asked is answered.
 
@@ -130,6 +157,7 @@ class Processes:
     def __init__(self, count: int, let_go: Callable[[], None]) -> None:
         self._count, self._let_go = count, let_go
         self._loop = asyncio.get_running_loop()
+        self._spawning = Spawning()
         self._pool: ProcessPoolExecutor | None = None
         self._waiting: deque[Waiting] = deque()
         self._beginning = self._loop.create_task(self._begin())
@@ -157,8 +185,7 @@ class Processes:
         if self._letting_go is not None:
             self._letting_go.cancel()
         self._beginning.cancel()
-        if self._pool is not None:
-            self._pool.shutdown(wait=False, cancel_futures=True)
+        self._end_processes()
         self._hand_over()
 
     async def _begin(self) -> None:
@@ -176,9 +203,17 @@ class Processes:
         self._letting_go = self._loop.call_later(NEEDED_S, self._let_go)
 
     def _begun(self) -> list[Future[list[Answered | None]]]:
-        # Not forked: a copy of this process would have its devices, its sockets, and locks that nobody opens.
-        self._pool = ProcessPoolExecutor(self._count, get_context("spawn"), begin)
-        return [self._pool.submit(answers, []) for _ in range(self._count)]
+        self._pool = ProcessPoolExecutor(self._count, self._spawning, begin)
+        try:
+            return [self._pool.submit(answers, []) for _ in range(self._count)]
+        finally:
+            if self._spawning.has_ended:
+                self._end_processes()
+
+    def _end_processes(self) -> None:
+        self._spawning.end()
+        if self._pool is not None:
+            self._pool.shutdown(wait=False, cancel_futures=True)
 
     def _hand_over(self) -> None:
         while self._waiting and (self._ahead < MOST_AHEAD * self._count or not self._are_ready):
