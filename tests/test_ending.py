@@ -56,7 +56,9 @@ def until(condition: Callable[[], bool]) -> None:
         time.sleep(0.01)
 
 
-@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP], ids=lambda each: each.name)
+@pytest.mark.parametrize(
+    "ending", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT], ids=lambda each: each.name
+)
 def test_a_signal_stops_the_motor_first_whatever_is_unfinished(
     server: ServerProcess, board: UsbBoard, ending: signal.Signals
 ) -> None:

@@ -68,7 +68,9 @@ class Server(uvicorn.Server):
         if threading.current_thread() is not threading.main_thread():
             yield
             return
-        ending = [*HANDLED_SIGNALS, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])]
+        # A terminal that is closed, and Ctrl+\; not every system has them.
+        more = [getattr(signal, name) for name in ("SIGHUP", "SIGQUIT") if hasattr(signal, name)]
+        ending = [*HANDLED_SIGNALS, *more]
         heeded = [each for each in ending if signal.getsignal(each) is not signal.SIG_IGN]
         before = {each: signal.signal(each, self.handle_exit) for each in heeded}
         try:
