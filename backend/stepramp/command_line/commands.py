@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import typer
 
+from stepramp.command_line.completion import completing, family_names
 from stepramp.command_line.output import drop_output, refuse_closed_output
 from stepramp.command_line.where import Where
 from stepramp.errors import Rejected, Rejection
@@ -71,18 +72,6 @@ def command(app: typer.Typer, name: str, *, example: str, group: str = "") -> Ca
         return function
 
     return register
-
-
-def completing(names: Callable[[], Iterable[str]]) -> Callable[[str], list[str]]:
-    """Return what completes a word to one of some names, which are looked up only then."""
-    return lambda incomplete: [each for each in names() if each.startswith(incomplete)]
-
-
-def family_names() -> list[str]:
-    """Return the names of the families of controllers."""
-    from stepramp.controllers.families import FAMILIES  # noqa: PLC0415  # only to complete a word
-
-    return list(FAMILIES)
 
 
 def renamed(error: Rejected, labels: dict[str, str]) -> Rejected:

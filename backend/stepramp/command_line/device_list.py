@@ -7,7 +7,8 @@ import typer
 from rich.console import Console
 from rich.live import Live
 
-from stepramp.command_line.commands import FAMILY_HELP, Find, command, completing, family_names
+from stepramp.command_line.commands import FAMILY_HELP, Find, command
+from stepramp.command_line.completion import completing, family_names
 from stepramp.command_line.output import Format, Rows, as_table, show, tell, warn, write_csv
 from stepramp.command_line.visible import visible_json
 from stepramp.command_line.where import Where

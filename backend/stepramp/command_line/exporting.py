@@ -5,7 +5,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from stepramp.command_line.commands import command, completing
+from stepramp.command_line.commands import command
+from stepramp.command_line.completion import completing
 from stepramp.command_line.files import DesignFile, bytes_of, design_of, refuse_same, write
 from stepramp.command_line.output import Format, Rows, show, tell, warn
 from stepramp.command_line.where import Where

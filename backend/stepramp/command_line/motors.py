@@ -5,7 +5,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from stepramp.command_line.commands import command, completing
+from stepramp.command_line.commands import command
+from stepramp.command_line.completion import completing
 from stepramp.command_line.files import DesignFile, design_of
 from stepramp.command_line.output import Format, Rows, progress, show, tell
 from stepramp.command_line.where import Where

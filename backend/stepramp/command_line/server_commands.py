@@ -5,6 +5,7 @@ from typing import Annotated
 import typer
 
 from stepramp.command_line import stop as stopping
+from stepramp.command_line.completion import completing, family_names
 from stepramp.command_line.serving import FIRST_PORT, LOG_LEVELS, LOOPBACK, Options, begin
 
 SERVE_EXAMPLE = "stepramp serve --port 8100 --no-browser"
@@ -19,12 +20,6 @@ def add_serve(app: typer.Typer) -> None:
 def add_stop(app: typer.Typer) -> None:
     """Add the stop to the program: for its help. It is carried out before there is a program."""
     app.command("stop", epilog=f"Example: {STOP_EXAMPLE}")(stop)
-
-
-def _families(incomplete: str) -> list[str]:
-    from stepramp.controllers.families import FAMILIES  # noqa: PLC0415  # only to complete a word
-
-    return [each for each in FAMILIES if each.startswith(incomplete)]
 
 
 def serve(
@@ -117,7 +112,12 @@ def stop(
     ] = None,
     family: Annotated[
         str,
-        typer.Option("--family", metavar="NAME", help="family of the controller at --port", autocompletion=_families),
+        typer.Option(
+            "--family",
+            metavar="NAME",
+            help="family of the controller at --port",
+            autocompletion=completing(family_names),
+        ),
     ] = stopping.USUAL_FAMILY,
 ) -> None:
     """STOP all motors, at once, whatever else hangs; asked for again until it is answered. It is final.
