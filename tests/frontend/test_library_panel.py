@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from frontend.dialogs import run
 from frontend.modules import Modules
+from frontend.state import STATE
 
 PUSH = """{id: 'p', device_id: 'd2', device: 'Bench', pushed_at: '2026-11-28T07:10:47Z', client: 'Ada', mode: 'keep',
     trouble: null, verified: true, backup: 'b', axes: [{axis: 0, name: 'Lift', revisions: []}]}"""
@@ -81,6 +82,75 @@ def test_a_save_that_waits_is_shown_and_not_begun_twice(modules: Modules) -> Non
         return seen;""",
     )
     assert seen == [["saving …", True, 1], ["Save as new", False, 1], ["Save as new", False, 1], True]
+
+
+def test_what_is_said_of_a_slow_save_is_of_the_form_that_is_there_by_then(modules: Modules) -> None:
+    seen = run(
+        modules,
+        """const {createSaving} = await import('/panels/library/saving.js');
+        let done = () => {};
+        const saving = createSaving({saveRevision() {}, onCancel() {},
+            saveNew: () => new Promise((end) => { done = end; })});
+        body.append(saving.element);
+        const button = byId('library-save'), seen = [], look = () => seen.push([button.textContent, button.disabled]);
+        saving.begin(null, 'Lift'); byId('library-saving').onsubmit({preventDefault() {}});
+        saving.begin({name: 'Lift'}, 'Lift'); look();
+        done(); await settled(); look();
+        return seen;""",
+    )
+    assert seen == [["saving …", True], ["Save revision", False]]
+
+
+# The dialog before a library that is slow to save: `answer[name]()` ends what it was asked for.
+PANEL = (
+    STATE
+    + """
+    const {createLibraryPanel} = await import('/panels/library/library.js');
+    const {Refusal} = await import('/server/api.js');
+    const kept = {id: 'a', name: 'Lift', notes: '', tags: [], version: 1, revisions: 1, saved_at: 0,
+        history: [{number: 1, note: '', saved_at: 0}]};
+    const answer = {}, slow = (name, value) => () => new Promise((done, fail) => {
+        answer[name] = () => done(value); answer.refuse = fail; });
+    const there = {...state, devices: {...state.devices, role: 'operate', link: 'there'}};
+    const store = {state: () => there, dispatch() {}};
+    const act = {saveNew: slow('saveNew', kept), saveRevision: slow('saveRevision', {kept}), described() {}};
+    const server = {search: async () => ({count: 1, designs: [kept]}), design: async () => kept,
+        records: async () => ({records: []}), pushes: async () => ({pushes: []}), describe: slow('describe', kept)};
+    const panel = createLibraryPanel(store, act, server);
+    await panel.open();
+    const press = (text) => find(body, (one) => one.tag === 'button' && one.textContent === text).onclick();
+    const submit = (id) => find(byId(id), (one) => one.tag === 'form').onsubmit({preventDefault() {}});
+    const shown = () => byId('library-panes').dataset.pane;
+"""
+)
+
+
+def test_what_was_saved_takes_no_form_that_was_begun_since(modules: Modules) -> None:
+    seen = run(
+        modules,
+        PANEL
+        + """const begin = () => press('Save this design …'), note = () => byId('library-note').textContent, seen = [];
+        begin(); submit('library-saving'); answer.saveNew(); await settled(); seen.push(shown());
+        begin(); submit('library-saving'); begin(); answer.saveNew(); await settled(); seen.push(shown(), note());
+        panel.show(store.state()); byId('library-trouble').hidden = false;
+        panel.show({...store.state(), devices: {...state.devices, link: 'lost'}});
+        panel.show(store.state()); await settled(); return [...seen, shown()];""",
+    )
+    assert seen == ["one", "saving", "Saved as “Lift”, revision 1.", "saving"]
+
+
+def test_who_edits_what_is_said_of_a_design_keeps_the_form_as_a_save_ends(modules: Modules) -> None:
+    seen = run(
+        modules,
+        PANEL
+        + """press('Save this design …'); submit('library-saving'); answer.saveNew(); await settled();
+        press('Save this design …'); submit('library-saving'); press('Cancel');
+        byId('library-edit').onclick(); byId('library-edit-name').value = 'Hoist';
+        answer.saveNew(); await settled(); const seen = [byId('library-edit-name')?.value];
+        submit('library-one'); answer.describe(); await settled();
+        return [...seen, byId('library-edit-name'), byId('library-note').textContent];""",
+    )
+    assert seen == ["Hoist", None, "Saved."]
 
 
 def test_a_trace_is_offered_to_be_kept_only_to_who_may(modules: Modules) -> None:

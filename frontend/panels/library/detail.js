@@ -20,12 +20,13 @@ import { button, iconButton, nameField, row, section, tagList, textArea, textFie
 
 /** @param {{open: (kept: KeptWithRevisions, number: number, where: Where) => void, describe: (kept: KeptWithRevisions, about: About) => unknown,
  *   duplicate: (kept: KeptWithRevisions) => void, showRecord: (kept: KeptWithRevisions, record: KeptRecord) => void,
- *   saveRecord: (kept: KeptWithRevisions, record: KeptRecord) => void, onBack: () => void}
+ *   saveRecord: (kept: KeptWithRevisions, record: KeptRecord) => void, onEdit: () => void, onBack: () => void}
  *   & Parameters<typeof createCompare>[0] & Parameters<typeof pushRow>[1]} act */
 export function createDetail(act) {
   const compare = createCompare(act);
   /** @type {Where} */
   let where = 'all';
+  let isEdited = false;
   const place = picker('Where designs are opened', (value) => (where = /** @type {Where} */ (value)));
   place.select.id = 'library-where';
   const root = element('div', { className: 'library-one', id: 'library-one' });
@@ -64,6 +65,7 @@ export function createDetail(act) {
 
   /** @param {HTMLElement} about @param {KeptWithRevisions} kept @param {boolean} mayKeep */
   function showAbout(about, kept, mayKeep) {
+    isEdited = false;
     about.replaceChildren(
       element('h3', { textContent: kept.name || 'unnamed', id: 'library-name' }),
       element('p', { className: 'muted', textContent: `${revisionsText(kept.revisions)}, changed last on ${whenText(kept.saved_at)}` }),
@@ -75,6 +77,8 @@ export function createDetail(act) {
 
   /** @param {HTMLElement} about @param {KeptWithRevisions} kept @param {About} [typed] */
   function edit(about, kept, typed = kept) {
+    isEdited = true;
+    act.onEdit();
     const name = nameField('library-edit-name', { value: typed.name });
     const tags = textField('library-edit-tags', 'Tags, with commas between', { value: typed.tags.join(', ') });
     const notes = textArea('library-edit-notes', 'Notes', { value: typed.notes, rows: 3 });
@@ -82,7 +86,7 @@ export function createDetail(act) {
     const submit = (/** @type {SubmitEvent} */ event) => {
       event.preventDefault();
       if (!name.isGood()) return;
-      whileSaving(save, () => act.describe(kept, { name: name.input.value.trim(), tags: tagsOf(tags.input.value), notes: notes.input.value.trim() }));
+      whileSaving(save, () => 'Save', () => act.describe(kept, { name: name.input.value.trim(), tags: tagsOf(tags.input.value), notes: notes.input.value.trim() }));
     };
     const save = element('button', { className: 'button small primary', id: 'library-describe', type: 'submit', textContent: 'Save' });
     const back = () => {
@@ -131,6 +135,7 @@ export function createDetail(act) {
     element: root,
     show,
     draw: compare.draw,
+    isEdited: () => isEdited,
     /** What somebody typed is offered again, beside what somebody else has made of it.
      * @param {KeptWithRevisions} kept @param {About} typed */
     editAgain(kept, typed) {

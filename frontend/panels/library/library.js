@@ -9,7 +9,7 @@ import { deviceOf } from '../../app/devices.js';
 import { isAsLinked, linkOf, mayKeep } from '../../app/library.js';
 import { axisOf, designOf, machineOf } from '../../app/selectors.js';
 import { whenever } from '../../app/state.js';
-import { importedText, inHandText, outOfReachText, pinnedText, RECORD_NAMES } from '../../model/library.js';
+import { conflictText, importedText, inHandText, outOfReachText, pinnedText, RECORD_NAMES } from '../../model/library.js';
 import { quoted } from '../../model/quoted.js';
 import { mapKey } from '../../model/stall_map.js';
 import { duplicateOf, MOST_AXES } from '../../model/workbench.js';
@@ -44,6 +44,8 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
   let chosen = null;
   /** Which choice is the newest: an answer about another one comes too late. */
   let asked = 0;
+  /** How many forms were begun: what was saved before the newest one leaves that as it is. */
+  let begun = 0;
   const list = createList({
     search(text, tags) {
       say(''); // What was said of an earlier action.
@@ -58,6 +60,7 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     duplicate,
     showRecord,
     saveRecord,
+    onEdit: beginForm,
     onBack() {
       showPane('nothing');
       handFocus(list.words);
@@ -205,7 +208,8 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
 
   async function refresh() {
     await list.find();
-    if (chosen !== null) await look(chosen.id);
+    const isTyped = panes.dataset.pane === 'saving' || detail.isEdited();
+    if (chosen !== null && !isTyped) await look(chosen.id);
   }
 
   function back() {
@@ -223,34 +227,43 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
 
   // ---- what is done ----
 
+  /** What is still being asked for takes a form from nobody who types into it. */
+  function beginForm() {
+    begun += 1;
+    asked += 1;
+  }
+
   function beginSaving() {
     choosePage('designs');
+    beginForm();
     panes.dataset.pane = 'saving';
     for (const part of [empty, detail.element, conflict.element]) part.hidden = true;
     saving.element.hidden = false;
     saving.begin(linkOf(state()), designOf(state())?.name ?? '');
   }
 
-  /** @param {string} text */
-  async function savedAs(text, /** @type {Kept} */ kept) {
+  /** @param {string} text @param {Kept} kept @param {number} form how many were begun when it was to be saved */
+  async function savedAs(text, kept, form) {
     await list.find();
-    await look(kept.id);
+    if (form === begun) await look(kept.id);
     say(text);
   }
 
   /** @param {About & {note: string}} about */
   async function saveNew(about) {
+    const form = begun;
     const kept = await reached(() => act.saveNew(about));
-    if (kept) await savedAs(`Saved as ${quoted(kept.name)}, revision 1.`, kept);
+    if (kept) await savedAs(`Saved as ${quoted(kept.name)}, revision 1.`, kept, form);
   }
 
   /** @param {string} text of the revision */
   async function saveRevision(text) {
-    const linked = linkOf(state());
+    const [linked, form] = [linkOf(state()), begun];
     const answer = await reached(() => act.saveRevision(text));
     if (answer === null) return;
-    if ('kept' in answer) return savedAs(`Saved as revision ${answer.kept.revisions} of ${quoted(answer.kept.name)}.`, answer.kept);
+    if ('kept' in answer) return savedAs(`Saved as revision ${answer.kept.revisions} of ${quoted(answer.kept.name)}.`, answer.kept, form);
     if (linked === null) return;
+    if (form !== begun) return say(conflictText(answer.conflict, linked));
     showPane('conflict');
     say('');
     conflict.show(answer.conflict, linked, text, (machineOf(state())?.axes.length ?? 0) < MOST_AXES);
@@ -259,22 +272,24 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
 
   /** @param {KeptWithRevisions} kept @param {About} about */
   async function describe(kept, about) {
+    const form = begun;
     try {
       const now = await server.describe(kept.id, kept.version, about);
       act.described(now, kept.version);
-      await savedAs('Saved.', now);
+      await savedAs('Saved.', now, form);
     } catch (error) {
       if (!(error instanceof Refusal || error instanceof ServerGone)) throw error;
-      if (!(error instanceof Refusal) || error.status !== CHANGED_MEANWHILE) return tellTrouble(error);
+      if (!(error instanceof Refusal) || error.status !== CHANGED_MEANWHILE || form !== begun) return tellTrouble(error);
       await look(kept.id);
-      if (chosen?.id === kept.id) detail.editAgain(chosen, about);
+      if (chosen?.id === kept.id && form === begun) detail.editAgain(chosen, about);
     }
   }
 
   /** @param {KeptWithRevisions} kept */
   async function duplicate(kept) {
+    const form = begun;
     const copy = await reached(() => server.duplicate(kept.id, duplicateName(kept.name)));
-    if (copy) await savedAs(`${quoted(copy.name)} is a copy of ${quoted(kept.name)}, and a design of its own.`, copy);
+    if (copy) await savedAs(`${quoted(copy.name)} is a copy of ${quoted(kept.name)}, and a design of its own.`, copy, form);
   }
 
   /** @param {KeptWithRevisions} kept @param {number[]} numbers */

@@ -39,17 +39,16 @@ export function nameField(id, more = {}) {
 }
 
 /** Do what takes long once, however often it is pressed, and show that it is being done.
- * @param {HTMLButtonElement} button @param {() => unknown} act */
-export async function whileSaving(button, act) {
+ * @param {HTMLButtonElement} button @param {() => string} text what it says once it is done @param {() => unknown} act */
+export async function whileSaving(button, text, act) {
   if (button.disabled) return;
-  const text = button.textContent ?? '';
   button.disabled = true;
   button.textContent = 'saving …';
   try {
     await act();
   } finally {
     button.disabled = false;
-    button.textContent = text;
+    button.textContent = text();
   }
 }
 

@@ -43,17 +43,19 @@ export function createSaving({ saveRevision, saveNew, onCancel }) {
     choice.element.hidden = linked === null;
     const isNew = as === 'new';
     for (const field of [name, tags, notes]) field.element.hidden = !isNew;
-    showText(save, isNew ? 'Save as new' : 'Save revision');
+    if (!save.disabled) showText(save, saveText());
     showText(of, isNew ? 'Kept as revision 1 of a design of its own.' : `Kept as the next revision of ${quoted(linked?.name ?? '')}; those before stay as they are.`);
   }
+
+  const saveText = () => (as === 'new' ? 'Save as new' : 'Save revision');
 
   /** @param {SubmitEvent} event */
   function submit(event) {
     event.preventDefault();
     const about = note.input.value.trim();
-    if (as === 'revision') return whileSaving(save, () => saveRevision(about));
+    if (as === 'revision') return whileSaving(save, saveText, () => saveRevision(about));
     if (!name.isGood()) return;
-    return whileSaving(save, () => saveNew({ name: name.input.value.trim(), tags: tagsOf(tags.input.value), notes: notes.input.value.trim(), note: about }));
+    return whileSaving(save, saveText, () => saveNew({ name: name.input.value.trim(), tags: tagsOf(tags.input.value), notes: notes.input.value.trim(), note: about }));
   }
 
   choose(as);
