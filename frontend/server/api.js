@@ -1,6 +1,7 @@
 // @ts-check
 // All that is said to the server, but for its library (library.js), which says it through this one.
 
+import { quoted } from '../model/quoted.js';
 import { createConversation } from './conversation.js';
 import { createEvents } from './events.js';
 import { createGate } from './gate.js';
@@ -116,7 +117,7 @@ const rejection = (message, field = null) => ({ field, value: null, allowed: nul
 export async function sendFile(path, file, ended, onSent) {
   if (file.size > MOST_FILE_BYTES) {
     const [size, limit] = [file.size, MOST_FILE_BYTES].map((count) => count.toLocaleString('en-US'));
-    throw new Refusal(UNPROCESSABLE, [rejection(`“${file.name}” has ${size} bytes; at most ${limit} are read.`, 'file')]);
+    throw new Refusal(UNPROCESSABLE, [rejection(`${quoted(file.name)} has ${size} bytes; at most ${limit} are read.`, 'file')]);
   }
   const headers = { 'X-StepRamp-Page': PAGE, 'Content-Type': 'application/octet-stream' };
   let sent;
@@ -124,7 +125,7 @@ export async function sendFile(path, file, ended, onSent) {
     sent = await gate(() => upload(address(path), headers, file, { ended, withinMs: CAPTURE_WITHIN_MS, onSent }));
   } catch (error) {
     if (ended.aborted) throw new Ended('It was ended.');
-    const message = `“${file.name}” can’t be read any more: it has changed, or is gone. Open it again.`;
+    const message = `${quoted(file.name)} can’t be read any more: it has changed, or is gone. Open it again.`;
     if (!(await isReadable(file))) throw new Refusal(UNPROCESSABLE, [rejection(message, 'file')]);
     throw new ServerGone(`The server does not answer (${error instanceof Error ? error.message : error}).`);
   }

@@ -52,6 +52,8 @@ def test_a_name_that_is_not_kept_as_it_is_typed_is_told(modules: Modules, name: 
 def test_a_name_turns_none_of_the_page_s_own_words(modules: Modules) -> None:
     assert modules.call("model/quoted.js", "quoted", "Lift") == "“Lift”"
     assert modules.call("model/quoted.js", "quoted", "a\u202eb\u2069c") == "“\u2068a\u202ebc\u2069”"
+    for adlam_or_hanifi in ("\U0001e900", "\U00010d00"):
+        assert modules.call("model/quoted.js", "quoted", adlam_or_hanifi) == f"“\u2068{adlam_or_hanifi}\u2069”"
     assert modules.call(MODULE, "inHandText", "\u202eb", None, False) == (
         "In hand: “\u2068\u202eb\u2069”, not in the library"
     )

@@ -9,6 +9,7 @@ import { download } from '../../ui/download.js';
 import { memory } from '../../documents/memory.js';
 import { remarksIn } from '../../model/imported.js';
 import { pushText } from '../../model/messages.js';
+import { quoted } from '../../model/quoted.js';
 import { withSavedAt } from '../../model/saved_at.js';
 import { inShownUnits } from '../../model/told.js';
 import { answered, asks, chooseFamily, homingBegan, limitsKept, portsCame, previewCame, pushCutShort, pushed, refused, showMeasured } from '../commands/device.js';
@@ -39,7 +40,7 @@ const restoredText = (remarks) => withSavedAt(['Restored, and read back.', ...re
 
 /** @param {string[]} heard the first lines */
 function nothingFound(heard) {
-  const said = heard.length === 0 ? 'It says nothing of itself as it starts' : `It says “${heard[0]}”, which names no known family`;
+  const said = heard.length === 0 ? 'It says nothing of itself as it starts' : `It says ${quoted(heard[0])}, which names no known family`;
   return `${said}: choose its family. StepRamp’s own controllers, Tics and TMCL modules say nothing before they are asked.`;
 }
 
@@ -114,7 +115,7 @@ export function createDeviceActions(store, gestures, traced, previews) {
         else {
           memory.keepFamily(port, family);
           dispatch(chooseFamily, port, family);
-          dispatch(tell, `It says “${heard[0]}”: ${title}.`, false);
+          dispatch(tell, `It says ${quoted(heard[0])}: ${title}.`, false);
         }
       }),
     /** @param {string} port @param {string} family the name of that of the controller there */

@@ -187,7 +187,7 @@ class Memory:
         else:
             yield "Storing it writes nothing: Klipper's configuration has this already."
         yield from remarks
-        reason = STARTED if self._has_startedwith_options(wanted, sections) else self._reason_to_leave(seen, sections)
+        reason = STARTED if self._has_started_with_options(wanted, sections) else self._reason_to_leave(seen, sections)
         if reason is None:
             yield "Storing it restarts Klipper: its axes have to be homed again after that."
         else:
@@ -201,7 +201,7 @@ class Memory:
         sections = self._read()[0].sections
         # Last, since files take a while: somebody may have switched motors on, or calibrated something, meanwhile.
         seen = self._conversation.look()
-        if self._has_startedwith_options({}, sections):
+        if self._has_started_with_options({}, sections):
             yield f"Klipper was not restarted: {STARTED}."
             return
         is_busy = seen.is_printing or seen.is_busy
@@ -336,7 +336,7 @@ class Memory:
         self._found = configuration.sections
         return configuration, files
 
-    def _has_startedwith_options(self, options: Mapping[str, str], sections: Sections) -> bool:
+    def _has_started_with_options(self, options: Mapping[str, str], sections: Sections) -> bool:
         """Whether Klipper runs with what its files say, once options are written to these sections."""
         return same_sections(self._loaded, with_options(sections, options))
 
