@@ -23,6 +23,7 @@ from stepramp.library.database import FILE_NAME, Database
 from stepramp.library.history import Device, History, _see
 from stepramp.library.library import About, Library, _count_change
 from stepramp.library.schema import METADATA
+from waiting import until
 
 SAVES = """
 import sys
@@ -233,6 +234,24 @@ def test_one_server_writes_at_a_time(tmp_path: Path, url: str | None, database: 
         with pytest.raises(Outdated, match="it is at 2"):
             saving.result()
         assert len(History(other).devices()) == 1
+
+
+@pytest.mark.parametrize("url", ["postgresql"], indirect=True)
+def test_a_change_by_who_takes_no_lock_is_overwritten_by_nobody(url: str, database: Database) -> None:
+    """An older server at the same database takes none, as while one after the other is brought up to date."""
+    from psycopg import connect
+
+    library = Library(database)
+    kept = library.add(design(), About("Lift"))
+    waits = "SELECT count(*) FROM pg_stat_activity WHERE wait_event_type = 'Lock'"
+    with ThreadPoolExecutor(1) as pool, connect(url) as older, connect(url, autocommit=True) as watching:
+        older.execute("UPDATE designs SET version = 2, name = 'Hoist'")
+        describing = pool.submit(library.describe, kept.id, 1, About("Mine"))
+        until(lambda: watching.execute(waits).fetchone() == (1,))
+        older.commit()
+        with pytest.raises(Outdated, match="'Hoist' was changed .* version 1, it is at 2"):
+            describing.result()
+    assert library.get(kept.id)[0].name == "Hoist"
 
 
 @pytest.mark.parametrize("url", ["postgresql"], indirect=True)

@@ -154,15 +154,21 @@ def _add_revision(connection: Connection, design_id: str, number: int, content: 
 
 
 def _count_change(connection: Connection, design_id: str, version: int) -> None:
-    """Count a change made on a version; who writes is alone, so that of two only the first is let."""
+    """Count a change made on a version: of two only the first is let.
+
+    Who writes is alone, but for servers of an older StepRamp at the same PostgreSQL: so the version is asked for in
+    the writing, too.
+    """
     present = kept_of(connection, design_id)
-    if present.version != version:
-        raise Outdated(
-            f"{shown(present.name)} was changed by somebody else meanwhile: you know its version {version}, "
-            f"it is at {present.version}. Nothing was overwritten; look at it, and save again."
-        )
-    counted = update(DESIGNS).where(DESIGNS.c.id == design_id)
-    connection.execute(counted.values(version=version + 1, saved_at=now()))
+    if present.version == version:
+        counted = update(DESIGNS).where(DESIGNS.c.id == design_id, DESIGNS.c.version == version)
+        if connection.execute(counted.values(version=version + 1, saved_at=now())).rowcount == 1:
+            return
+        present = kept_of(connection, design_id)
+    raise Outdated(
+        f"{shown(present.name)} was changed by somebody else meanwhile: you know its version {version}, "
+        f"it is at {present.version}. Nothing was overwritten; look at it, and save again."
+    )
 
 
 def kept_of(connection: Connection, design_id: str) -> Kept:
