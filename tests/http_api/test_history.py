@@ -8,25 +8,32 @@ import sqlite3
 import tempfile
 import threading
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import closing
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import pytest
 from starlette.testclient import TestClient
 from starlette.types import Message
 
 from controllers.grbl.emulator import GrblOnACable
-from designs import document
+from designs import design, document
 from event_loop import run
 from http_api.families import DEVICES, connected, error_of, ok
+from stepramp.errors import DeviceLost
+from stepramp.http_api import history_keeper
+from stepramp.http_api.history_keeper import HistoryKeeper
 from stepramp.http_api.lanes import LIBRARY as LIBRARY_LANE
 from stepramp.http_api.library_file import library_as_file
 from stepramp.library import database
+from stepramp.library.history import History
 from waiting import until
+
+if TYPE_CHECKING:
+    from stepramp.devices.device import Device
 
 LIBRARY = "/api/v1/library"
 TYPE = {"content-type": "application/octet-stream"}
@@ -128,6 +135,37 @@ def test_an_entry_that_can_never_be_written_keeps_no_other_waiting(
         assert len(pushes(client)) == 1
     assert caplog.text.count("An entry of the history of pushes is lost.") == 2
     assert "The library can't keep this" in caplog.text
+
+
+@pytest.mark.parametrize(("ending_s", "noted", "told"), [(60.0, 1, ""), (0.0, 0, "that came since is lost")])
+def test_a_push_that_fails_by_the_server_s_end_is_in_the_history_or_said_to_be_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture,
+    ending_s: float, noted: int, told: str,
+) -> None:  # fmt: skip
+    monkeypatch.setattr(history_keeper, "ENDING_S", ending_s)
+    view = SimpleNamespace(family="grbl", name="CH340", port="/dev/ttyUSB0", backup=None)
+    device = cast("Device", SimpleNamespace(called="A1", view=view))
+    history = History(database.Database(tmp_path))
+    keeper = HistoryKeeper(history)
+    begun, may_fail = threading.Event(), threading.Event()
+
+    def push() -> None:
+        with keeper.noting(device, [design()], None, "keep", None):
+            begun.set()
+            may_fail.wait(60)
+            raise DeviceLost("The port was closed.")
+
+    with ThreadPoolExecutor(2) as pool:
+        pushing = pool.submit(push)
+        begun.wait(60)
+        ending = pool.submit(keeper.close)
+        wait([ending], 0.2)
+        may_fail.set()
+        with pytest.raises(DeviceLost):
+            pushing.result()
+        ending.result()
+    assert [each.trouble for each in history.pushes()[1]] == ["The port was closed."] * noted
+    assert told in caplog.text
 
 
 def test_records_are_kept_with_their_design(client: TestClient) -> None:

@@ -249,7 +249,7 @@ def test_a_change_by_who_takes_no_lock_is_overwritten_by_nobody(url: str, databa
         describing = pool.submit(library.describe, kept.id, 1, About("Mine"))
         until(lambda: watching.execute(waits).fetchone() == (1,))
         older.commit()
-        with pytest.raises(Outdated, match="'Hoist' was changed .* version 1, it is at 2"):
+        with pytest.raises(Outdated, match=r"'Hoist' was changed .* version 1, it is at 2"):
             describing.result()
     assert library.get(kept.id)[0].name == "Hoist"
 
