@@ -56,9 +56,12 @@ export function foundText(count, shown, isSearched) {
 export const moreTagsText = (count) => `and ${counted(count, 'more tag')}: search for ${count === 1 ? 'its' : 'their'} words`;
 
 /** What is wrong with the name that a design is to be kept under; null: nothing.
- * @param {string} name */
-export function nameProblem(name) {
-  if (name !== '' && name.trim() === '') return 'The name is only spaces; allowed: a name that can be read, or none at all for the design’s own.';
+ * @param {string} name @param {string} [own] what it is called if none is typed */
+export function nameProblem(name, own = '') {
+  const isOwn = own.trim() !== '';
+  if (name.trim() === '' && (name !== '' || !isOwn)) {
+    return `The name is ${name === '' ? 'empty' : 'only spaces'}; allowed: a name that can be read${isOwn ? ', or none at all for the design’s own' : ''}.`;
+  }
   const length = [...name.trim()].length;
   return length > LONGEST_NAME ? `The name has ${formatFixed(length)} characters; at most ${LONGEST_NAME} are allowed.` : null;
 }

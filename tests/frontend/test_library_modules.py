@@ -39,14 +39,21 @@ def test_tags_are_told_apart_by_commas_and_those_of_most_designs_come_first(modu
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("Lift", None),
-        ("", None),
-        ("   ", "The name is only spaces; allowed: a name that can be read, or none at all for the design’s own."),
-        ("x" * 10_000, "The name has 10,000 characters; at most 100 are allowed."),
+        (("Lift",), None),
+        (("", "Own"), None),
+        (("",), "The name is empty; allowed: a name that can be read."),
+        (("   ", " "), "The name is only spaces; allowed: a name that can be read."),
+        (
+            ("   ", "Own"),
+            "The name is only spaces; allowed: a name that can be read, or none at all for the design’s own.",
+        ),
+        (("x" * 10_000,), "The name has 10,000 characters; at most 100 are allowed."),
     ],
 )
-def test_a_name_that_is_not_kept_as_it_is_typed_is_told(modules: Modules, name: str, words: str | None) -> None:
-    assert modules.call(MODULE, "nameProblem", name) == words
+def test_a_name_that_is_not_kept_as_it_is_typed_is_told(
+    modules: Modules, name: tuple[str, ...], words: str | None
+) -> None:
+    assert modules.call(MODULE, "nameProblem", *name) == words
 
 
 def test_a_name_turns_none_of_the_page_s_own_words(modules: Modules) -> None:

@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 from starlette.testclient import TestClient
 
-from designs import document
+from designs import design, document
 from stepramp.library.database import FILE_NAME
+from stepramp.library.library import About, Library
 
 DESIGNS = "/api/v1/library/designs"
 
@@ -83,3 +84,59 @@ def test_what_is_no_number_of_a_revision_is_refused_in_words(client: TestClient,
         [error] = refused.json()["errors"]
         assert (refused.status_code, error["field"]) == (422, field)
         assert error["allowed"] == "the number of a revision, from 1 on"
+
+
+UNREAD = "a name that can be read"
+ESCAPE = "text without control characters; it has U+001B"
+
+
+def test_names_that_nobody_can_read_are_refused_by_their_field(client: TestClient) -> None:
+    kept = client.post(DESIGNS, json={"design": document()})
+    place, tag = f"{DESIGNS}/{kept.json()['id']}", {"If-Match": kept.headers["etag"]}
+    unnamed = {"design": document() | {"name": ""}}
+    for refused, field, allowed in (
+        (client.post(DESIGNS, json={"design": document(), "name": "  "}), "name", UNREAD),
+        (client.post(DESIGNS, json=unnamed), "name", f"{UNREAD}, as the design has none of its own"),
+        (client.post(DESIGNS, json={"design": document() | {"name": " "}}), "design.name", UNREAD),
+        (client.post(DESIGNS, json={"design": document() | {"name": "a\x1b[2J"}}), "design.name", ESCAPE),
+        (client.post(f"{place}/duplicate", json={"name": ""}), "name", UNREAD),
+        (client.post(f"{place}/duplicate", json={"name": "a\x1b"}), "name", ESCAPE),
+        (client.put(place, json={"name": "\u2003"}, headers=tag), "name", UNREAD),
+    ):
+        [error] = refused.json()["errors"]
+        assert (refused.status_code, error["field"], error["allowed"]) == (422, field, allowed)
+    assert client.post(DESIGNS, json=unnamed | {"name": "Lift"}).json()["name"] == "Lift"
+
+
+@pytest.mark.parametrize(
+    ("about", "field", "character"),
+    [
+        ({"name": "a\n"}, "name", "U+000A"),
+        ({"name": "a", "tags": ["b", "c\x9b"]}, "tags.1", "U+009B"),
+        ({"name": "a", "notes": "\x07"}, "notes", "U+0007"),
+    ],
+)
+def test_control_characters_are_refused_where_they_are(
+    client: TestClient, about: dict[str, object], field: str, character: str
+) -> None:
+    kept = client.post(DESIGNS, json={"design": document()})
+    place = f"{DESIGNS}/{kept.json()['id']}"
+    refused = client.put(place, json=about, headers={"If-Match": kept.headers["etag"]})
+    [error] = refused.json()["errors"]
+    assert (refused.status_code, error["field"]) == (422, field)
+    assert error["allowed"].endswith(f"; it has {character}")
+    lines = {"name": "a", "notes": "b\tc\r\nd\n"}
+    assert client.put(place, json=lines, headers={"If-Match": kept.headers["etag"]}).json()["notes"] == lines["notes"]
+
+
+def test_what_is_in_the_library_with_control_characters_is_read_found_and_imported(client: TestClient) -> None:
+    library: Library = client.app.state.library  # type: ignore[attr-defined]
+    kept = library.add(design(), About("\x1b", "\x07", ["\x9b"]))
+    found = client.post("/api/v1/library/search", json={"text": "\x1b", "tags": ["\x9b"]}).json()
+    assert [each["notes"] for each in found["designs"]] == ["\x07"]
+    assert client.get(f"{DESIGNS}/{kept.id}").json()["name"] == "\x1b"
+    copy = client.post(f"{DESIGNS}/{kept.id}/duplicate", json={"name": "Lift"}).json()
+    assert (copy["notes"], copy["tags"]) == ("\x07", ["\x9b"])
+    whole = client.get("/api/v1/library/file").content
+    again = client.post("/api/v1/library/import", content=whole, headers={"content-type": "application/octet-stream"})
+    assert again.json()["there_already"] == 2

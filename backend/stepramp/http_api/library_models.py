@@ -1,27 +1,71 @@
 """What the routes over the library take and answer."""
 
-from typing import Annotated, Any, Literal
+import unicodedata
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field
+from pydantic import AfterValidator, Field, model_validator
 
 from stepramp.design import Design
 from stepramp.http_api.answer import Answer
-from stepramp.validation import Document, ListOf, Text, Within
+from stepramp.validation import Document, ListOf, Text, Within, refuse
 
-Name = Annotated[str, Text(100)]
-Notes = Annotated[str, Text(20_000)]
-Note = Annotated[str, Text(1_000)]
-Tags = Annotated[list[Annotated[str, Text(50)]], ListOf("tags", most=30)]
+A_NAME = "a name that can be read"
+
+
+def _refuse_control(field: str, text: str, but: str = "", but_words: str = "") -> str:
+    """Return a text without control characters: nobody sees them, and a terminal obeys them.
+
+    but: these may be in it.
+    """
+    found = next((each for each in text if unicodedata.category(each) == "Cc" and each not in but), None)
+    if found is not None:
+        refuse(field, text, f"text without control characters{but_words}; it has U+{ord(found):04X}")
+    return text
+
+
+def _words(text: str) -> str:
+    return _refuse_control("", text)
+
+
+def _lines(text: str) -> str:
+    return _refuse_control("", text, "\t\n\r", " but tabs and line ends")
+
+
+def _name(text: str, field: str = "") -> str:
+    if not text.strip():
+        refuse(field, text, A_NAME)
+    return _refuse_control(field, text)
+
+
+def _name_or_none(text: str) -> str:
+    return _name(text) if text else text
+
+
+Name = Annotated[str, Text(100), AfterValidator(_name)]
+NameOrNone = Annotated[str, Text(100), AfterValidator(_name_or_none)]
+Notes = Annotated[str, Text(20_000), AfterValidator(_lines)]
+Note = Annotated[str, Text(1_000), AfterValidator(_lines)]
+Tags = Annotated[list[Annotated[str, Text(50), AfterValidator(_words)]], ListOf("tags", most=30)]
+AnyTags = Annotated[list[Annotated[str, Text(50)]], ListOf("tags", most=30)]
+"""Also such as were imported, or kept by an older StepRamp: they are searched by."""
 
 
 class NewDesignPayload(Document):
     """A design to be kept, as its revision 1."""
 
     design: Design
-    name: Name = Field("", description="What it is called in the library; empty: the design's own name")
+    name: NameOrNone = Field("", description="What it is called in the library; empty: the design's own name")
     notes: Notes = Field("", description="What is to be known of it")
     tags: Tags = Field([], description="Words to find it by")
     note: Note = Field("", description="What is to be known of this revision")
+
+    @model_validator(mode="after")
+    def _is_named(self) -> Self:
+        if not self.name and not self.design.name:
+            refuse("name", self.name, f"{A_NAME}, as the design has none of its own")
+        if not self.name:
+            _name(self.design.name, "design.name")
+        return self
 
 
 class RevisionPayload(Document):
@@ -51,7 +95,7 @@ class SearchPayload(Document):
     text: Annotated[str, Text(200)] = Field(
         "", description="Words that name, notes and tags have together, all of them"
     )
-    tags: Tags = Field([], description="Tags that a design has, all of them")
+    tags: AnyTags = Field([], description="Tags that a design has, all of them")
     first: Annotated[int, Within(0, 1_000_000)] = Field(0, description="So many are left out, the newest ones")
     most: Annotated[int, Within(1, 500)] = Field(100, description="So many are told")
 

@@ -28,9 +28,10 @@ export function nameField(id, more = {}) {
   return {
     element: field,
     input,
-    /** Whether it can be kept; if not, that is shown. */
-    isGood() {
-      const problem = nameProblem(input.value);
+    /** Whether it can be kept; if not, that is shown.
+     * @param {string} [own] what it is called if none is typed */
+    isGood(own) {
+      const problem = nameProblem(input.value, own);
       showMessage(input, told, problem === null ? undefined : { text: problem, isWarning: false });
       if (problem !== null) input.focus();
       return problem === null;

@@ -15,6 +15,7 @@ export function createSaving({ saveRevision, saveNew, onCancel }) {
   let as = 'new';
   /** @type {Link | null} */
   let linked = null;
+  let ownName = '';
   const choice = segmented('Save as', /** @type {['revision' | 'new', string][]} */ ([['revision', 'Another revision'], ['new', 'A new design']]), choose); // prettier-ignore
   const of = element('p', { className: 'muted', id: 'library-save-of' });
   const name = nameField('library-save-name');
@@ -54,7 +55,7 @@ export function createSaving({ saveRevision, saveNew, onCancel }) {
     event.preventDefault();
     const about = note.input.value.trim();
     if (as === 'revision') return whileSaving(save, saveText, () => saveRevision(about));
-    if (!name.isGood()) return;
+    if (!name.isGood(ownName)) return;
     return whileSaving(save, saveText, () => saveNew({ name: name.input.value.trim(), tags: tagsOf(tags.input.value), notes: notes.input.value.trim(), note: about }));
   }
 
@@ -64,6 +65,7 @@ export function createSaving({ saveRevision, saveNew, onCancel }) {
     /** @param {Link | null} link what the design in hand began with @param {string} called the design's own name */
     begin(link, called) {
       linked = link;
+      ownName = called;
       name.input.value = called;
       tags.input.value = notes.input.value = note.input.value = '';
       choose(link === null ? 'new' : 'revision');
