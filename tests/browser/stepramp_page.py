@@ -89,9 +89,10 @@ class StepRampPage:
 
     def curves(self) -> dict[str, list[float]]:
         """Return the y values of every visible trace, by method and plot: "first_order-error"."""
-        script = """() => Object.fromEntries(document.querySelector('.figure').data
-            .filter((trace) => trace.visible).map((trace) => [trace.uid, Array.from(trace.y)]))"""
-        return self.page.evaluate(script)
+        # As one text: number by number it takes the browser 17 times as long, and it is asked for again and again.
+        script = """() => JSON.stringify(Object.fromEntries(document.querySelector('.figure').data
+            .filter((trace) => trace.visible).map((trace) => [trace.uid, Array.from(trace.y)])))"""
+        return dict(json.loads(self.page.evaluate(script)))
 
     def x_axis(self) -> dict[str, Any]:
         script = "() => { const axis = document.querySelector('.figure').layout.xaxis; "
