@@ -4,7 +4,7 @@ import asyncio
 import os
 import threading
 import tty
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from functools import partial
@@ -20,6 +20,7 @@ from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.devices.device import Device
 from stepramp.errors import Overloaded
 from stepramp.http_api import lanes
+from stepramp.http_api.access import ASKING, Client, Role
 from stepramp.http_api.curves_models import CurvesAnswer
 from stepramp.http_api.lanes import (
     A_DEVICE,
@@ -213,6 +214,38 @@ def test_who_asks_of_one_device_takes_only_some_of_the_threads(is_given_up: bool
             answers.set()
         await asyncio.gather(*askers, return_exceptions=True)
         assert sorted(asked) == list(range(20))
+
+    run(work())
+
+
+def test_who_leaves_and_asks_again_takes_no_second_thread() -> None:
+    """What has begun for a client that left goes on: it is that client's turn until it is done."""
+    lane, end, begun = Lane("test", 2, most_wait_s=PATIENCE_S), threading.Event(), list[str]()
+
+    def long(who: str) -> None:
+        begun.append(who)
+        end.wait(PATIENCE_S)
+
+    async def ask(place: str, job: Callable[[], object]) -> object:
+        ASKING.set(Client(place, Role.VIEW))
+        return await lane.run(job)
+
+    async def work() -> None:
+        leaving = [asyncio.create_task(ask("greedy", partial(long, "greedy"))) for _ in range(3)]
+        try:
+            for each in leaving:
+                await until_begun()
+                each.cancel()
+                await asyncio.wait([each])
+            assert await asyncio.wait_for(ask("other", lambda: "quick"), PATIENCE_S) == "quick"
+            assert begun == ["greedy"]
+        finally:
+            end.set()
+        assert await ask("greedy", lambda: "next") == "next"
+
+    async def until_begun() -> None:
+        while not begun:
+            await asyncio.sleep(0)
 
     run(work())
 

@@ -80,7 +80,8 @@ class Lane:
 
     async def _in_turn_of(self, client: str, job: Callable[[], T], most_wait_s: float) -> T:
         """Run a job once the client's earlier ones are done; raise as run."""
-        turns = self._of_clients.setdefault((asyncio.get_running_loop(), client), asyncio.Semaphore(A_CLIENT))
+        loop = asyncio.get_running_loop()
+        turns = self._of_clients.setdefault((loop, client), asyncio.Semaphore(A_CLIENT))
         try:
             async with asyncio.timeout(most_wait_s):
                 await turns.acquire()
@@ -88,10 +89,10 @@ class Lane:
             raise Overloaded(
                 f"What you asked for before takes long: this has waited {most_wait_s:g} s. Ask again later."
             ) from None
-        try:
-            return await self._unless_late(self._pool.submit(job))
-        finally:
-            turns.release()
+        begun = self._pool.submit(job)
+        # Not as soon as the client has left: what has begun goes on, and who asks again and leaves would take them all.
+        begun.add_done_callback(lambda _: _in(loop, turns.release))
+        return await self._unless_late(begun)
 
     async def _unless_late(self, begun: Future[T]) -> T:
         made = asyncio.wrap_future(begun)
