@@ -15,7 +15,7 @@ from designs import document
 from stepramp.http_api import client_limits
 from stepramp.http_api.access import MOST_SESSIONS, Access, Role
 from stepramp.http_api.app import create_app
-from stepramp.http_api.turned_away import TurnedAway
+from stepramp.http_api.turned_away import EACH_S, MOST_LINES, TurnedAway
 
 HOST = "bench.example:8000"
 BASE = f"http://{HOST}"
@@ -80,6 +80,26 @@ def test_who_is_turned_away_is_in_the_log_once_a_minute(caplog: pytest.LogCaptur
         "192.0.2.7 asked without a token of this server: 'POST /api/v1/devices\\n', "
         "and 2 times more since it was told last.",
     ]
+
+
+def test_nobody_fills_the_log_by_having_many_addresses(caplog: pytest.LogCaptureFixture) -> None:
+    now_s = 0.0
+    away = TurnedAway(lambda: now_s)
+    asked = {"type": "http", "method": "GET", "path": DEVICES}
+    for number in range(3000):
+        away.note({**asked, "client": (f"2001:db8::{number:x}", 1)})
+    assert len(caplog.records) == 1, "a network of IPv6 is one place"
+    for number in range(3000):
+        away.note({**asked, "client": (f"2001:db8:{number:x}::1", 1)})
+        away.note({**asked, "client": (f"::ffff:192.0.{number // 250}.{number % 250}", 1)})
+    assert len(caplog.records) == MOST_LINES
+    now_s = EACH_S
+    caplog.clear()
+    away.note({**asked, "client": ("198.51.100.7", 1)})
+    told = [each.getMessage() for each in caplog.records]
+    # 3,000 of each kind, of which one network was told of before.
+    assert told[0] == "Others asked 5,900 times without a token: more than 100 lines a minute are not written."
+    assert told[1].startswith("198.51.100.7 asked")
 
 
 def test_a_token_that_counts_for_nothing_is_in_the_log_without_it(
