@@ -13,9 +13,10 @@ from starlette.websockets import WebSocketDisconnect
 
 from designs import document
 from stepramp.http_api import client_limits
-from stepramp.http_api.access import MOST_SESSIONS, Access, Role
+from stepramp.http_api.access import COOKIE, MOST_SESSIONS, Access, Role
 from stepramp.http_api.app import create_app
 from stepramp.http_api.turned_away import EACH_S, MOST_LINES, TurnedAway
+from waiting import until
 
 HOST = "bench.example:8000"
 BASE = f"http://{HOST}"
@@ -369,3 +370,26 @@ def test_who_asked_what_is_kept(tmp_path: Path) -> None:
     ]
     assert lines[1]["body"]["design"]["name"] == "Zed ⚙"
     assert (lines[2]["body"], lines[2]["page"], lines[2]["client"]) == ({"by_steps": 7}, "p", "testclient")
+
+
+def test_who_looks_on_keeps_no_motor_running_by_the_name_of_another_s_page(server: TestClient) -> None:
+    device = server.post(DEVICES, json={"port": "sim://"}, headers=OPERATES).json()["id"]
+    route, its_own = f"{DEVICES}/{device}", OPERATES | {"x-stepramp-page": "one"}
+    assert server.post(f"{route}/push", json={"design": document()}, headers=OPERATES).status_code == 200
+    signed_in(server, Role.OPERATE)
+    [session] = server.cookies.values()
+    # For a WebSocket the test's client names another port of the server.
+    browser = {"host": HOST, "cookie": "; ".join(f"{COOKIE}-{port}={session}" for port in (80, 8000))}
+    with (
+        server.websocket_connect(f"{EVENTS}?page=one", headers={"host": HOST, **LOOKS_ON}) as looking,
+        # Of the same role, but another browser.
+        server.websocket_connect(f"{EVENTS}?page=one", headers=browser) as other,
+    ):
+        looking.receive_json(), other.receive_json()
+        with server.websocket_connect(f"{EVENTS}?page=one", headers={"host": HOST, **OPERATES}) as operating:
+            operating.receive_json()
+            run = {"speed_steps_per_s": 200, "for_s": 60}
+            assert server.post(f"{route}/run", json=run, headers=its_own).json()["in_control"] == "one"
+            assert server.post(f"{route}/run", json=run, headers={"x-stepramp-page": "one"}).status_code == 409
+        until(lambda: server.get(route).json()["state"] == "ready")
+        assert server.get(route).json()["in_control"] is None

@@ -6,6 +6,19 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 
+def page_of(name: str, holder: str | None) -> str:
+    """Return what tells a page apart from all others, which is more than what it calls itself: others are told that.
+
+    holder: who has opened it, in one line; None where nobody is told apart.
+    """
+    return name if holder is None else f"{name}\n{holder}"
+
+
+def name_of(page: str) -> str:
+    """Return what a page calls itself."""
+    return page.rpartition("\n")[0] or page
+
+
 class Pages:
     """Those that listen to the devices, each as often as it does. For any thread.
 

@@ -49,6 +49,11 @@ class Client:
         """What tells them apart from all others."""
         return f"{self.place} {self.session}".rstrip()
 
+    @property
+    def holder(self) -> str:
+        """What tells apart who has shown a token, from wherever: a browser, or all that send that of a role."""
+        return f"{self.role} {self.session}".rstrip()
+
 
 ASKING: ContextVar[Client | None] = ContextVar("ASKING", default=None)
 """Who asks what is being answered, where that has to be known."""

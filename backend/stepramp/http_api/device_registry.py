@@ -6,6 +6,7 @@ from fastapi import Depends, Header
 from starlette.requests import HTTPConnection
 
 from stepramp.devices.device import Device
+from stepramp.devices.pages import page_of
 from stepramp.devices.registry import Devices
 from stepramp.http_api.bodies import refuse_repeated
 from stepramp.http_api.history_keeper import HistoryKeeper
@@ -36,7 +37,13 @@ async def asking_page(
 ) -> str | None:
     """Return which page asks, None for a program. Raises Rejected when two are named."""
     refuse_repeated(connection.headers, [PAGE_HEADER])
-    return page
+    return page_at(connection, page)
+
+
+def page_at(connection: HTTPConnection, name: str | None) -> str | None:
+    """Return which page it is that calls itself so: one of somebody else, who has heard the name, is another one."""
+    client = client_of(connection.scope)
+    return None if name is None else page_of(name, None if client is None else client.holder)
 
 
 async def history_keeper(connection: HTTPConnection) -> HistoryKeeper:

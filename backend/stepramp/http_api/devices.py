@@ -10,7 +10,7 @@ from stepramp.devices.registry import Devices
 from stepramp.errors import Refused
 from stepramp.http_api import backups, jog, motion, settings, stopping, surroundings
 from stepramp.http_api.bodies import JsonRoute
-from stepramp.http_api.device_registry import Acting, ClientName, Keeper, Page, Registry
+from stepramp.http_api.device_registry import Acting, ClientName, Keeper, Page, Registry, page_at
 from stepramp.http_api.devices_models import (
     ConnectPayload,
     DeviceAnswer,
@@ -175,7 +175,7 @@ async def events(socket: WebSocket, devices: Registry, page: str | None = None) 
     async with served(socket):
         await accept(socket)
         client = client_of(socket.scope)
-        with devices.present(page, None if client is None else client.place):
+        with devices.present(page_at(socket, page), None if client is None else client.place):
             try:
                 await _until_one_ends(
                     _tell(socket, news.editions()), _answer(socket, answers.given()), _hear(socket, devices, answers)

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from stepramp.controllers.axes import MOST_AXES
 from stepramp.controllers.capabilities import CapabilityName
@@ -11,6 +11,7 @@ from stepramp.controllers.families import FAMILIES, USUAL_FAMILY
 from stepramp.controllers.inputs import End, Level, LimitStop, RoleName, StopCause
 from stepramp.controllers.progress import PushStage
 from stepramp.design import Design
+from stepramp.devices.pages import name_of
 from stepramp.devices.view import DeviceState
 from stepramp.errors import Count
 from stepramp.http_api.answer import Answer
@@ -325,6 +326,10 @@ class InputAnswer(Answer):
     )
 
 
+def _own_name(page: str | None) -> str | None:
+    return None if page is None else name_of(page)
+
+
 class DeviceAnswer(Answer):
     """A device as it is now."""
 
@@ -418,8 +423,9 @@ class DeviceAnswer(Answer):
         "disconnected or somebody else has homed them. Until they are set, homed or zeroed. What a controller itself "
         "doesn't know, as after a halt at speed, only `axes[].position_known` tells"
     )
-    in_control: str | None = Field(
-        description="The page that is in control: others must take over first. null for none; programs need none"
+    in_control: Annotated[str | None, BeforeValidator(_own_name)] = Field(
+        description="What the page that is in control calls itself: others must take over first. null for none; "
+        "programs need none"
     )
     in_control_at: str | None = Field(
         description="Address of the machine where that page is; null for a server that answers its own machine only"

@@ -11,7 +11,7 @@ from stepramp.devices.device import Device
 from stepramp.devices.leases import JOG_S, Lease
 from stepramp.devices.stops import Order
 from stepramp.errors import Refused, Rejected, Rejection, StepRampError
-from stepramp.http_api.device_registry import Registry
+from stepramp.http_api.device_registry import Registry, page_at
 from stepramp.http_api.jog_models import JogPayload
 from stepramp.http_api.lanes import ACTING
 from stepramp.http_api.request_numbers import arrived_at, as_known
@@ -35,7 +35,8 @@ async def jog(socket: WebSocket, device_id: str, devices: Registry, page: str | 
     """
     async with served(socket):
         await accept(socket)
-        held = _Held(socket, devices.acting(device_id, page), devices.order, page)
+        its_page = page_at(socket, page)
+        held = _Held(socket, devices.acting(device_id, its_page), devices.order, its_page)
         try:
             while True:
                 await held.take(await received(socket))
