@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 from itertools import count
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pytest
@@ -13,8 +15,11 @@ from starlette.types import Message, Receive, Scope, Send
 
 from designs import document
 from event_loop import run
-from stepramp.http_api.access import CLIENT, Client, Role
+from stepramp.http_api import client_limits, door
+from stepramp.http_api.access import CLIENT, Access, Client, Role
+from stepramp.http_api.app import create_app
 from stepramp.http_api.idempotency import KEPT_S, MOST_ANSWER_BYTES, MOST_KEPT, MOST_TOGETHER_BYTES, Idempotent
+from stepramp.http_api.key_ages import KeyAges
 from stepramp.http_api.request_numbers import RequestNumbering, number_of
 from waiting import until
 
@@ -38,7 +43,8 @@ class Served:
         self.numbers = count(1)
         self.asked_at: list[int] = []
         self.idempotent = Idempotent(self._serve, lambda: self.now_s)
-        self.app = RequestNumbering(self.idempotent, lambda: next(self.numbers))
+        self.ages = KeyAges(self.idempotent, lambda: self.now_s)
+        self.app = RequestNumbering(self.ages, lambda: next(self.numbers))
         self.more: dict[str, str] = {}
 
     async def _serve(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -59,11 +65,16 @@ class Served:
         await JSONResponse({"number": len(self.done)} | self.more, self.status)(scope, receive, send)
 
     async def ask(
-        self, key: str | None = "k", body: bytes = b"{}", path: str = MOVE, method: str = "POST", client: str = ""
+        self,
+        key: str | None = "k",
+        body: bytes = b"{}",
+        path: str = MOVE,
+        method: str = "POST",
+        client: Client | None = None,
     ) -> tuple[int, bytes, dict[str, str]]:
         headers = [] if key is None else [(b"idempotency-key", key.encode())]
         scope = {"type": "http", "method": method, "path": path, "raw_path": path.encode(), "query_string": b""}
-        scope[CLIENT] = Client(client, Role.OPERATE) if client else None
+        scope[CLIENT] = client
         chunks = iter([body])
         sent: list[Message] = []
 
@@ -235,13 +246,29 @@ def test_the_newest_answers_are_kept_for_a_day() -> None:
 def test_a_client_with_many_keys_pushes_out_only_its_own() -> None:
     async def work() -> None:
         served = Served()
-        await served.ask("mine", client="me")
+        me, other = Client("here", Role.OPERATE), Client("there", Role.OPERATE)
+        await served.ask("mine", client=me)
         for number in range(MOST_KEPT + 1):
-            await served.ask(f"{number}", client="other")
-        await served.ask("mine", client="me")
+            await served.ask(f"{number}", client=other)
+        await served.ask("mine", client=me)
         assert len(served.done) == MOST_KEPT + 2
-        await served.ask("mine", client="other")
-        assert len(served.done) == MOST_KEPT + 3
+        assert sum(map(len, served.ages._given.values())) == MOST_KEPT + 1
+        served.now_s = KEPT_S + 1
+        await served.ask("mine", client=me)
+        assert sum(map(len, served.ages._given.values())) == 1
+
+    run(work())
+
+
+def test_a_key_is_of_who_has_the_same_token_or_session_wherever_they_are() -> None:
+    async def work() -> None:
+        served = Served()
+        for place in ("here", "there"):
+            for session in ("", "one", "two"):
+                await served.ask(client=Client(place, Role.OPERATE, session))
+        assert len(served.done) == 3
+        await served.ask()
+        assert len(served.done) == 4
 
     run(work())
 
@@ -297,6 +324,32 @@ def test_what_was_refused_is_as_old_as_it_was_at_first_when_it_is_asked_again(st
         assert served.asked_at == [1, 2, 1, 1]
 
     run(work())
+
+
+@pytest.mark.parametrize(
+    ("limits", "most", "status"), [(client_limits, "MOST_AT_ONCE", 429), (door, "MOST_SERVED", 503)]
+)
+def test_refused_before_it_was_looked_at_it_is_as_old_when_it_is_asked_again(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, limits: ModuleType, most: str, status: int
+) -> None:
+    access = Access({Role.VIEW: "v" * 20, Role.OPERATE: "o" * 20})
+    headers = {"authorization": f"Bearer {'o' * 20}"}
+    with TestClient(create_app(data=tmp_path, access=access), base_url="http://bench:8000", headers=headers) as client:
+        path = f"/api/v1/devices/{client.post('/api/v1/devices', json={'port': 'sim://'}).json()['id']}"
+        assert client.post(f"{path}/push", json={"design": document()}).status_code == 200
+
+        def move() -> int:
+            return client.post(f"{path}/move", json={"by_steps": 10}, headers={"Idempotency-Key": "k"}).status_code
+
+        monkeypatch.setattr(limits, most, 0)
+        assert move() == status
+        monkeypatch.undo()
+        assert client.post(f"{path}/stop").status_code == 200
+        told: list[int] = []
+        until(lambda: told.append(move()) or told[-1] != status)
+        assert told[-1] == 409
+        [device] = client.app.state.devices.views()
+        assert device.axes[0].position_steps == 0
 
 
 def test_asked_again_after_a_stop_nothing_moves(client: TestClient) -> None:

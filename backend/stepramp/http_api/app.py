@@ -58,6 +58,7 @@ from stepramp.http_api.history_keeper import HistoryKeeper
 from stepramp.http_api.idempotency import Idempotent
 from stepramp.http_api.job_registry import Jobs
 from stepramp.http_api.journal import Journal
+from stepramp.http_api.key_ages import KeyAges
 from stepramp.http_api.lanes import COMPILED
 from stepramp.http_api.news import News
 from stepramp.http_api.relief import Relief
@@ -198,10 +199,12 @@ def create_app(
     app.add_middleware(Relief)
     app.add_middleware(Journal)
     if access is None:
+        app.add_middleware(KeyAges)
         app.add_middleware(OwnPagesOnly, host=host)
     else:
         app.state.audit = AuditLog(app.state.devices.data / "audit")
         app.add_middleware(ClientLimits)
+        app.add_middleware(KeyAges)
         app.add_middleware(SignIn, access=access)
         app.add_middleware(Audited, log=app.state.audit)
         app.add_middleware(OwnPagesOnly, scheme=access.scheme, is_named_at_will=True, public_url=access.public_url)

@@ -6,15 +6,18 @@ from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from time import monotonic
+from typing import TypeVar
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from stepramp.errors import Refused, Rejected, Rejection, StepRampError
+from stepramp.http_api.access import Client
 from stepramp.http_api.door import is_stop
 from stepramp.http_api.errors import error_response
-from stepramp.http_api.request_numbers import as_old_as, decided_at
 from stepramp.http_api.sign_in import acts, client_of
+
+T = TypeVar("T")
 
 KEY_HEADER = "Idempotency-Key"
 REPLAYED_HEADER = "Idempotent-Replayed"
@@ -40,8 +43,6 @@ class _Asked:
     """A request with a key, and what came of it."""
 
     request: tuple[str, str]
-    number: int
-    """When it was decided first, in the order of all that is asked and stopped."""
     ended: asyncio.Future[bool]
     """Whether it was done; False: it was refused, and may be asked again."""
     at_s: float
@@ -65,14 +66,14 @@ class Idempotent:
     """Middleware for what changes something: a key in `Idempotency-Key` stands for one request of one client.
 
     Asked again with its key, a request waits for what came of the first one, and is answered the same. What was refused
-    may be asked again, and is as old then as it was at first: a stop since overtakes it. A request with a key is done
-    though its client leaves. Stops take no key: each is a stop.
+    may be asked again, and is as old then as it was at first: see KeyAges. A request with a key is done though its
+    client leaves. Stops take no key: each is a stop.
     """
 
     def __init__(self, app: ASGIApp, now_s: Callable[[], float] = monotonic) -> None:
         self._app = app
         self._now_s = now_s
-        self._asked: dict[str, OrderedDict[str, _Asked]] = {}
+        self._asked: dict[Client | None, OrderedDict[str, _Asked]] = {}
         """By client and key, the newest last."""
         self._answered: OrderedDict[_Asked, None] = OrderedDict()
         """Those of which the answer is kept."""
@@ -80,35 +81,29 @@ class Idempotent:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass on what has no key, or one that is new; answer anything else."""
-        if scope["type"] != "http" or not acts(scope) or is_stop(scope):
-            await self._app(scope, receive, send)
-            return
-        keys = Headers(scope=scope).getlist(KEY_HEADER)
+        keys = _keys_of(scope)
         if not keys:
             await self._app(scope, receive, send)
-        elif len(keys) > 1 or not _is_key(keys[0]):
+        elif (key := key_of(scope)) is None:
             given = keys[0] if len(keys) == 1 else keys
             await error_response(Rejected([Rejection(KEY_HEADER, given, ALLOWED_KEY)]))(scope, receive, send)
         else:
-            await self._once(keys[0], scope, receive, send)
+            await self._once(key, scope, receive, send)
 
     async def _once(self, key: str, scope: Scope, receive: Receive, send: Send) -> None:
         self._forget()
         client = client_of(scope)
-        asked_before = self._asked.setdefault("" if client is None else client.name, OrderedDict())
         request = (scope["method"], scope["raw_path"].decode("latin-1") + "?" + scope["query_string"].decode("latin-1"))
-        while (before := asked_before.get(key)) is not None and not before.was_refused:
+        while (before := keys_with(self._asked, key, client).get(key)) is not None and not before.was_refused:
             if before.request != request:
                 await error_response(_of_another(key))(scope, receive, send)
                 return
             if await asyncio.shield(before.ended):
                 await _answer_again(before, key, scope, receive, send)
                 return
-        if before is not None:
-            scope = as_old_as(scope, before.number)
-            del asked_before[key]
-        asked = _Asked(request, decided_at(scope), asyncio.get_running_loop().create_future(), self._now_s())
-        asked_before[key] = asked
+        asked_before = keys_with(self._asked, key, client)
+        asked_before.pop(key, None)
+        asked = asked_before[key] = _Asked(request, asyncio.get_running_loop().create_future(), self._now_s())
         heard = _Hearing(receive)
         # It goes on when whoever asked leaves: asked again, it is told what came of it.
         doing = asyncio.ensure_future(self._do(asked, scope, heard))
@@ -202,6 +197,29 @@ class _Hearing:
         while self.digest is None and (await self.receive())["type"] == "http.request":
             pass
         return self.digest
+
+
+def key_of(scope: Scope) -> str | None:
+    """Return the key of a request that changes something; None where it has none, or none that can be used."""
+    keys = _keys_of(scope)
+    return keys[0] if len(keys) == 1 and _is_key(keys[0]) else None
+
+
+def keys_with(kept: dict[Client | None, OrderedDict[str, T]], key: str, client: Client | None) -> OrderedDict[str, T]:
+    """Return the keys among which one is that was given with the same token or session; else those of the client.
+
+    Whoever asks again may do so from another address.
+    """
+    holder = None if client is None else client.holder
+    of_holder = (keys for each, keys in kept.items() if (None if each is None else each.holder) == holder)
+    found = next((keys for keys in of_holder if key in keys), None)
+    return kept.setdefault(client, OrderedDict()) if found is None else found
+
+
+def _keys_of(scope: Scope) -> list[str]:
+    if scope["type"] != "http" or not acts(scope) or is_stop(scope):
+        return []
+    return Headers(scope=scope).getlist(KEY_HEADER)
 
 
 def _oldest(asked: OrderedDict[str, _Asked]) -> str | None:
