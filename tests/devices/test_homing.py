@@ -8,7 +8,7 @@ from devices.bench import ROLES, Bench, by, home
 from stepramp.controllers.contract import AxisCommand
 from stepramp.controllers.stepramp.messages.motion import AcknowledgeRequest, HomeRequest, StopRequest
 from stepramp.controllers.stepramp.settings import StepRampSettings
-from stepramp.controllers.surroundings import SurroundingsChange
+from stepramp.controllers.surroundings import SurroundingsChange, Switches
 from stepramp.devices.homing import Homing
 from stepramp.devices.leases import Lease
 from stepramp.devices.soft_limits import Span
@@ -53,6 +53,16 @@ def test_what_is_found_is_called_as_asked_and_the_way_that_the_switch_took_count
     assert (axis_of(bench).position_steps, axis_of(bench).position_known) == (4999, True)
 
 
+def test_it_is_shown_at_rest_only_once_it_is_known(bench: Bench) -> None:
+    """Whoever waits for its end looks then whether it was found."""
+    home(bench, position_steps=5000)
+    seen = set()
+    with bench.devices.listening(lambda: seen.add((bench.device.view.state, axis_of(bench).position_known))):
+        go_on(bench, 2.0)
+    assert (DeviceState.READY, True) in seen
+    assert (DeviceState.READY, False) not in seen
+
+
 def test_it_is_called_nothing_when_it_was_stopped(bench: Bench) -> None:
     home(bench, position_steps=5000)
     go_on(bench, 0.2)
@@ -80,6 +90,78 @@ def test_soft_limits_are_not_kept_by_places_that_have_no_name_yet(bench: Bench) 
         bench.device.limit({0: Span()})
         bench.device.set_position([AxisCommand(0, 0, "axes.0.position_steps")])
         assert bench.device.view.unknown_positions == ()
+
+
+def run_other(bench: Bench) -> None:
+    bench.device.run([AxisCommand(1, 400.0, "speed_steps_per_s")], Lease({1: 400.0}, 1e6))
+
+
+@pytest.mark.parametrize("ends", ["stop", "halt"])
+@pytest.mark.parametrize("position_steps", [0, 5000])
+def test_what_was_homed_stays_known_through_a_stop_while_another_axis_moves(
+    bench: Bench, position_steps: int, ends: str
+) -> None:
+    home(bench, position_steps=position_steps)
+    run_other(bench)
+    go_on(bench, 2.0)
+    # Nothing but 0 is taken as a name before all axes rest.
+    known_steps = axis_of(bench).position_steps if axis_of(bench).position_known else None
+    assert (axis_of(bench).homing, known_steps) == (False, None if position_steps else -1)
+    getattr(bench.device, ends)().result(5.0)
+    go_on(bench, 2.0)
+    assert (axis_of(bench).position_known, axis_of(bench).position_steps) == (True, position_steps - 1)
+    assert (bench.device.view.unknown_positions, bench.device.view.after_homing) == ((), {})
+
+
+def test_a_stop_of_what_is_still_homed_leaves_only_that_unknown(bench: Bench) -> None:
+    home(bench, position_steps=5000)
+    run_other(bench)
+    go_on(bench, 0.2)
+    bench.device.stop([0]).result(5.0)
+    go_on(bench, 2.0)
+    assert (bench.device.view.unknown_positions, bench.device.view.after_homing) == ((0,), {})
+
+
+def test_axes_that_are_homed_one_after_another_are_known_each_by_itself(bench: Bench) -> None:
+    second = {"input": "A2", "role": "limit", "axis": 1, "end": "low"}
+    bench.device.use_settings(StepRampSettings.checked({"inputs": [*ROLES, second]}))
+    home(bench)
+    go_on(bench, 2.0)
+    switch = SurroundingsChange(
+        switches={1: Switches(bench.witness.controller.surroundings.axes[1].place_steps - 10_000, None)}
+    )
+    bench.witness.controller.change_surroundings(switch)
+    fast, slow = AxisCommand(1, -800.0, "axes.0.fast_steps_per_s"), AxisCommand(1, 100.0, "slow_steps_per_s")
+    bench.device.home(Homing([fast], slow, 20, {1: 0}), Lease({1: -800.0}, 1e6, is_to_home=True))
+    go_on(bench, 1.0)
+    assert [axis.position_known for axis in bench.device.view.axes] == [True, False]
+    bench.device.stop().result(5.0)
+    go_on(bench, 2.0)
+    assert [axis.position_known for axis in bench.device.view.axes] == [True, False]
+    assert (bench.device.view.unknown_positions, bench.device.view.after_homing) == ((1,), {})
+    bench.device.use_settings(StepRampSettings.checked({"inputs": ROLES}))
+
+
+def test_what_waits_for_its_name_is_told_so_where_it_has_soft_limits(bench: Bench) -> None:
+    bench.device.limit({0: Span(0, 6000)})
+    home(bench, position_steps=5000)
+    run_other(bench)
+    go_on(bench, 2.0)
+    with pytest.raises(Refused, match="Axis 0 was homed, and where it is gets its name once all axes rest"):
+        bench.device.move_by([by(5)])
+    bench.device.stop().result(5.0)
+    go_on(bench, 2.0)
+    bench.device.move_by([by(5)])
+    bench.settle()
+    bench.device.limit({0: Span()})
+
+
+def test_what_waits_for_its_name_has_none_when_the_device_is_lost(bench: Bench) -> None:
+    home(bench, position_steps=5000)
+    run_other(bench)
+    go_on(bench, 2.0)
+    lost = bench.device.view.lost("It is gone.")
+    assert (lost.unknown_positions, lost.after_homing) == ((0, 1), {})
 
 
 def test_it_ends_with_its_lease(bench: Bench) -> None:

@@ -89,15 +89,24 @@ class Homings:
     # From here on: in the thread of the port.
 
     def go_on(self) -> None:
-        """Once axes are homed, or have given that up, their leases end; at rest, their places get their names."""
+        """Once axes are homed, or have given that up, their leases end, and their places get their names.
+
+        Only the controller knows whether one was stopped before its end, so stops change nothing here.
+        """
         view = self._view.now
         over = [axis for axis in view.axes if axis.axis in view.after_homing and not axis.homing]
         if not over:
             return
         self._leases.drop(axis.axis for axis in over)
-        if view.state is DeviceState.READY:
-            self._name([axis for axis in over if axis.counts_from_known])
-            self._view.change(lambda view: view.without_homing([axis.axis for axis in over]))
+        # Another name than 0 is taken only while all rest; what was found stays counted until then.
+        waits = {axis.axis for axis in over if axis.counts_from_known and view.after_homing[axis.axis]}
+        is_at_rest = all(axis.state is DeviceState.READY for axis in view.axes)
+        settled = [axis for axis in over if axis.axis not in waits or is_at_rest]
+        if homed := [axis for axis in settled if axis.counts_from_known]:
+            self._name(homed)
+        if settled:
+            self._view.change(lambda view: view.without_homing([axis.axis for axis in settled]))
+            self._watch.refresh()
 
     def _name(self, homed: Sequence[AxisView]) -> None:
         # A switch stops an axis some steps beyond the place that it finds: those stay counted.
@@ -116,4 +125,3 @@ class Homings:
             return
         self._view.change(lambda view: view.with_known_positions([axis.axis for axis in homed]))
         self._view.log("homed: axes %s", [axis.axis for axis in homed])
-        self._watch.refresh()

@@ -96,6 +96,10 @@ def _refuse_unknown(view: DeviceView, axes: Collection[int]) -> None:
     lost = sorted(set(axes) & set(view.unknown_positions) & set(view.soft_limits))
     if any(axis.homing for axis in view.axes if axis.axis in lost):
         raise Refused("The motor moves: it is being homed. Stop it first, or wait.")
+    if named_later := sorted(set(lost) & set(view.after_homing)):
+        raise Refused(
+            f"Axis {named_later[0]} was homed, and where it is gets its name once all axes rest: wait for that."
+        )
     if lost:
         which = f"Axis {lost[0]}" if len(lost) == 1 else f"Axes {', '.join(map(str, lost))}"
         raise Refused(

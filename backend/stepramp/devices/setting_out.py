@@ -114,7 +114,7 @@ class SettingOut:
                 self._leases.drop(axes)
                 if lease is not None:
                     self._leases.take(lease, begun_s)
-                self._view.change(lambda view: view.without_errand(axes))
+                self._view.change(lambda view: view.without_errand(axes).without_homing(axes))
                 self._watch.refresh()
         with self._taken_back_on_failure(axes):
             then()

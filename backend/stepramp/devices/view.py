@@ -150,7 +150,7 @@ class DeviceView:
     zeroing: tuple[int, ...] = ()
     """Axes on their way to the stop of a gauge, which says where they are once they have come there."""
     after_homing: Mapping[int, int] = field(default_factory=dict)
-    """Axes that are being homed, and what the place that they find is to be called [steps]."""
+    """Axes that are being homed, or wait for their name, and what the place that they find is to be called [steps]."""
     inputs: tuple[InputStatus, ...] | None = None
     """Those that are for something; None for a controller without any."""
     stopped_by: tuple[StopCause, ...] | None = None
@@ -169,10 +169,10 @@ class DeviceView:
     """When the controller said so, by the monotonic clock; 0 before it has said anything [s]."""
 
     def __post_init__(self) -> None:
-        """Have each axis say whether it may be elsewhere; one that is being homed says itself what it knows by that."""
-        elsewhere = {*self.unknown_positions} - {*self.after_homing}
-        if any(axis.may_be_elsewhere != (axis.axis in elsewhere) for axis in self.axes):
-            axes = tuple(replace(axis, may_be_elsewhere=axis.axis in elsewhere) for axis in self.axes)
+        """Have each axis say whether it may be elsewhere."""
+        unknown = self.unknown_positions
+        if any(axis.may_be_elsewhere != (axis.axis in unknown) for axis in self.axes):
+            axes = tuple(replace(axis, may_be_elsewhere=axis.axis in unknown) for axis in self.axes)
             object.__setattr__(self, "axes", axes)
 
     @property
@@ -202,9 +202,13 @@ class DeviceView:
         homed = {axis.axis for axis in status.axes if axis.position_told and axis.axis in untold} & set(
             self.soft_limits
         )
+        found = {axis.axis for axis in status.axes if axis.position_known and not axis.homing} & {*self.after_homing}
+        nameless = {axis for axis in found if self.after_homing[axis]}
+        rests = status.activity is Activity.READY
         return replace(
             self,
-            state=STATES[status.activity],
+            # Not done before the places that were found have their names.
+            state=DeviceState.MOVING if rests and nameless else STATES[status.activity],
             position_steps=first.position_steps,
             target_steps=first.target_steps,
             speed_steps_per_s=first.speed_steps_per_s,
@@ -220,7 +224,7 @@ class DeviceView:
             zeroing=tuple(axis for axis in self.zeroing if axis not in resting),
             unknown_positions=tuple(sorted({*self.unknown_positions, *homed})),
             proving=False,
-        ).with_known_positions(arrived)
+        ).with_known_positions({*arrived, *(found - nameless)})
 
     def with_kept(self, remarks: Iterable[str]) -> "DeviceView":
         """Return the device once what was on trial is stored: the report of its last push is of that then."""
@@ -236,7 +240,7 @@ class DeviceView:
     def without_errand(self, axes: Collection[int] | None) -> "DeviceView":
         """Return the device once axes, or all, go somewhere else than they were on their way to by themselves."""
         zeroing = () if axes is None else tuple(axis for axis in self.zeroing if axis not in axes)
-        return replace(self, shuttle=None, zeroing=zeroing).without_homing(axes)
+        return replace(self, shuttle=None, zeroing=zeroing)
 
     def with_homing(self, positions_steps: Mapping[int, int]) -> "DeviceView":
         """Return the device once axes are being homed, with what the places that they find are to be called [steps].
@@ -246,9 +250,9 @@ class DeviceView:
         unknown = tuple(sorted({*self.unknown_positions, *positions_steps}))
         return replace(self, after_homing={**self.after_homing, **positions_steps}, unknown_positions=unknown)
 
-    def without_homing(self, axes: Collection[int] | None) -> "DeviceView":
-        """Return the device once nothing is to be done any more after axes, or all, were homed."""
-        left = {} if axes is None else {axis: at for axis, at in self.after_homing.items() if axis not in axes}
+    def without_homing(self, axes: Collection[int]) -> "DeviceView":
+        """Return the device once nothing is to be done any more after axes were homed."""
+        left = {axis: at for axis, at in self.after_homing.items() if axis not in axes}
         return replace(self, after_homing=left)
 
     def anew(self, port: str, name: str) -> "DeviceView":

@@ -112,9 +112,10 @@ def zero(request: ZeroPayload, device: Acting, request_number: RequestNumber) ->
 def home(request: HomePayload, device: Acting, request_number: RequestNumber, page: Page) -> DeviceAnswer:
     """Begin to find limit switches, from rest: fast towards them, slowly away until they let go, slowly back to them.
 
-    The place of the last step before the switch is active again is position 0 then, or what `position_steps` says, as
-    soon as all axes rest; and it is known. `axes[].homing` tells how long it takes, `axes[].position_known` whether it
-    has come to that: a stop, an emergency stop, or a switch that doesn't let go ends it, and the position is unknown.
+    The place of the last step before the switch is active again is position 0 then, and known. Where `position_steps`
+    says another, it is called so, and known, as soon as all axes rest. `axes[].homing` tells how long it takes,
+    `axes[].position_known` whether it has come to that: a stop, an emergency stop, or a switch that doesn't let go ends
+    it, and the position is unknown.
 
     It ends after `for_s`, and with the page that began it, as a run does. Soft limits don't hold while an axis is
     homed, since it isn't known where they are: the answer says so by `axes[].limits_hold`. Which switches there are the
