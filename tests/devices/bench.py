@@ -93,9 +93,10 @@ class Bench:
         return self.device._attachment._watch
 
     def settle(self) -> None:
-        """Let whatever moves come to rest, and see it."""
+        """Let whatever moves come to rest, with its name where it was homed, and see it."""
         self.clock.now_s += 10_000.0
         self.look()
+        self.worker.call(self.device._attachment._homings.go_on)
         assert self.device.view.state is DeviceState.READY
 
     def look(self) -> None:

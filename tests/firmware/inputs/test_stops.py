@@ -431,3 +431,33 @@ def test_a_halt_is_judged_by_the_steps_that_are_made_then(machine: Machine) -> N
             assert (known, interval < 16_000) == (0, True), after_ms
         judged.add((made, known))
     assert {(10, 0), (0, 1)} <= judged
+
+
+def test_on_a_ramp_of_long_intervals_no_halt_is_judged_by_what_is_planned(machine: Machine) -> None:
+    """Longer than an event, and shorter than the longest: in 1.9 to 6.9 ms no more is known of one than that it is long."""
+    side = [(111_040, 1, 0), (46_880, 1, 0), (36_000, 1, 0), (30_240, 1, 0), (26_000, 20, -300)]
+    machine.push(p.Ramp(side, 20_000, side).image(1, fast=True))
+    known_after = {}
+    for kind, value in ((p.MOVE_BY, 40), (p.RUN, -20_000)):
+        for after_ms in range(1, 100):
+            before = machine.steps()[0]
+            machine.ok(p.SET_POSITION, for_axes({0: 0}))
+            machine.ok(kind, for_axes({0: value}))
+            machine.pass_ms(after_ms)
+            machine.ok(p.HALT)
+            known_after.setdefault(machine.steps()[0] - before, set()).add(machine.inputs().known)
+    assert {2, 3, 4, 37, 38, 39, 40, -2, -3, -4} <= known_after.keys()
+    assert 1 in known_after[40], "at rest"
+    assert set().union(*(known for steps, known in known_after.items() if abs(steps) != 1 and steps != 40)) == {0}
+
+
+def test_what_has_run_as_slowly_from_rest_on_stays_known(machine: Machine) -> None:
+    machine.push(p.Ramp([(111_040, 1, 0), (46_880, 1, 0)], 20_000, [(46_880, 2, 0)]).image(1, fast=True))
+    for turned in (1, -1):
+        machine.ok(p.SET_POSITION, for_axes({0: 0}))
+        machine.ok(p.RUN, for_axes({0: turned * 160_000}))
+        machine.pass_ms(100)
+        machine.ok(p.RUN, for_axes({0: turned * -200_000}))
+        machine.pass_ms(97)
+        machine.ok(p.HALT)
+        assert machine.inputs().known == 1

@@ -114,6 +114,9 @@ static void queue_steps(struct feed *feed, const struct piece *piece)
 {
     queue_up(feed, piece, 0);
     feed->has_pulses = true;
+    if (feed->axis.phase != PHASE_LEVEL) {
+        feed->has_ramped = true;
+    }
     if (feed->is_traced) {
         trace_to_queue = trace_left(feed, trace_to_queue, piece->count);
     }
@@ -276,6 +279,7 @@ void feed_set_out(struct feed *feed)
     trace_begin_move(feed->index);
     feed->is_traced = trace_every(feed->index) != 0;
     feed->has_got_ahead = false;
+    feed->has_ramped = false;
     if (feed->is_traced) {
         trace_to_queue = 1; /* the first pulse */
         trace_to_play = 1;

@@ -37,6 +37,7 @@ struct feed {
     bool has_stepped : 1;   /* since the last start, as far as that has been counted */
     bool has_run_dry : 1;   /* the queue, in the middle of a move; since the last start */
     bool pin_backward : 1;  /* the direction pin, at the end of the queue */
+    bool has_ramped : 1;    /* steps of a ramp have been queued since it was idle */
     struct axis axis;   /* last: an AVR reaches the first 64 bytes best */
 };
 

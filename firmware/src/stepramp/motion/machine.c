@@ -313,9 +313,10 @@ IN_TABLE void machine_forget_fast(uint8_t mask)
 {
     for (const struct feed *feed = stepramp_feeds; mask != 0; feed++, mask >>= 1) {
         uint32_t interval = (mask & 1) != 0 && feed_has_stepped(feed) ? feed_interval(feed) : 0;
-        /* Where a long one passes and none has been queued last, it is about to rest, or has just set out: no more than some are queued. */
-        bool is_at_an_end = interval > LONGEST_WAIT_TICKS && feed->axis.interval <= LONGEST_WAIT_TICKS;
-        if (interval != 0 && !is_at_an_end && interval < axis_slowest(&feed->axis)) {
+        if (interval > LONGEST_WAIT_TICKS) { /* how long that is as a whole is known only where no ramp has led to it */
+            interval = feed->has_ramped ? LONGEST_WAIT_TICKS + 1u : 0;
+        }
+        if (interval != 0 && interval < axis_slowest(&feed->axis)) {
             stepramp_known_positions &= line_is_on() ? 0 : (uint8_t)~feed->bit;
         }
     }
