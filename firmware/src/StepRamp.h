@@ -75,7 +75,8 @@ public:
     /* ---- inputs: before begin(). Nine at most, each at a pin of its own and for one thing. A sketch that calls none of these has nothing of them in it ---- */
 
     /* No step after it, until it is released and acknowledged. Six at most. Where a timer makes the steps, the pin's own interrupt stops
-     * them; returns false when the pin has none, or no timer does: then poll() has to see it. */
+     * them; returns false when the pin has none, or no timer does: then poll() has to see it. With a timer that is in some 5 ms, 10 at most
+     * where poll() is called all the time, and a press has to last as long: in so many looks as setInputLooks() says, 1 ms or a round apart. */
     bool setEmergencyStop(uint8_t pin, uint8_t how = STEPRAMP_CLOSES);
 
     /* A driver's fault output, often open drain: STEPRAMP_CLOSES. No step after poll() has seen it, as above. */
@@ -89,7 +90,8 @@ public:
      * the lowest above the highest it goes nowhere. */
     void setSoftLimits(uint8_t axis, int32_t lowest, int32_t highest);
 
-    /* So many looks in a row, 1 to 10, until an input has changed: 1 ms apart, of an emergency stop 4 us. At first 4. */
+    /* So many looks in a row, 1 to 10, until an input has changed: 1 ms apart, of an emergency stop 4 us, but
+     * where a timer makes the steps and its pin has no interrupt 1 ms, too. At first 4. */
     void setInputLooks(uint8_t looks);
 
     /* For a StepRampController: where its input of this number is, 0 to 8. What it is for, the host says. Emergency stops can be 0 to 5. */
@@ -149,7 +151,7 @@ public:
 
     /* By STEPRAMP_BY_EMERGENCY_STOP, STEPRAMP_BY_DRIVER_FAULT, or both: nothing moves until acknowledge(), each motion is STEPRAMP_STOPPED,
      * also to where the motor is. setPosition() is taken meanwhile, and makes the position known. */
-    uint8_t stoppedBy();
+    uint8_t stoppedBy(); /* it knows before poll() does: at the first look isMoving() may be true yet */
 
     /* Motions are taken again; somebody should have looked before. Returns false while the input is active. */
     bool acknowledge();

@@ -304,7 +304,7 @@ const __FlashStringHelper *StepRampAxis::problem() const
     case STEPRAMP_TOO_MANY:
         return F("over four axes");
     case STEPRAMP_BAD_PINS:
-        return F("a pin is used twice or isn't there");
+        return F("a pin is used twice or isn't there, or too many inputs");
     case STEPRAMP_RAMP_MISSING:
         return F("no ramp: setRamp() first");
     case STEPRAMP_BAD_SPEED:

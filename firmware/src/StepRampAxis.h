@@ -32,7 +32,7 @@ enum StepRampProblem : uint8_t {
     STEPRAMP_BAD_BASE_SPEED,   /* it is below 0, or not below the speed */
     STEPRAMP_BAD_IMAGE,        /* an exported ramp is damaged, for several axes, too fast, or for another clock: for the fast one
                                 * where no timer makes the steps; or one of StepRamp's settings is out of its range */
-    STEPRAMP_NO_ROOM,          /* the ramps of all axes need more than STEPRAMP_AXIS_RAMP_BYTES, or a timer's more time than there is to
+    STEPRAMP_NO_ROOM,          /* the ramps of all axes need more than STEPRAMP_AXIS_RAMP_BYTES, as with a wrong length given to useRamp(), or a timer's more time than there is to
                                 * prepare them: as of three axes that come to 30,000 steps/s in 5 ms */
     STEPRAMP_STILL_MOVING      /* begin() is for motors at rest */
 };

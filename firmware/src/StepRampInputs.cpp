@@ -155,6 +155,9 @@ StepRampResult StepRampClass::home(uint8_t axis, int32_t interval, uint32_t slow
     if (isTaken(axis)) {
         return STEPRAMP_MOVING;
     }
+    if (machine_without_sign(interval) < ramp_image_slew_interval(stepramp_image, axis)) { /* also where it needn't go as fast: at the switch */
+        return STEPRAMP_OUT_OF_RANGE;
+    }
     use_homing();
     uint16_t detail;
     return (StepRampResult)homing_begin((uint8_t)(1u << axis), &interval, slowInterval, stepsBack, &detail);

@@ -18,7 +18,7 @@ PINS = ((4, 6, 8, 10), (5, 7, 9, 11))
 """Step pins and direction pins that leave those with an interrupt free."""
 STOP_PIN = 2
 SPEED_OF_WIDE_PULSES = 1150
-PRESSES, FIRST_MS, EVERY_MS, JITTER_MS, PRESSED_MS = 12, 150, 110, 9, 4
+PRESSES, FIRST_MS, EVERY_MS, JITTER_MS = 12, 150, 110, 9
 
 _RUN = """
   static uint8_t runs;
@@ -42,6 +42,7 @@ class Stop:
     header: str = ""
     width_us: int = 0
     timer: bool = True
+    pressed_ms: float = 4
 
     @property
     def plan(self) -> RampDesign:
@@ -65,13 +66,13 @@ class Stop:
         """
         chance = random.Random(repr(self))
         begins = [FIRST_MS + EVERY_MS * number + chance.random() * JITTER_MS for number in range(PRESSES)]
-        presses = ",".join(f"{self.pin}:{begin:.4f}-{begin + PRESSED_MS:.4f}" for begin in begins)
+        presses = ",".join(f"{self.pin}:{begin:.4f}-{begin + self.pressed_ms:.4f}" for begin in begins)
         edges = run(self.engine, self.sketch, folder, "--press", presses, busy=False).edges
         steps = edges["cycle"][np.isin(edges["pin"], PINS[0][: self.axes]) & (edges["value"] == 1)]
         latest = 0.0
         for begin in begins:
             pressed = int(begin * CYCLES_PER_MS)
             assert ((steps > pressed - 10 * CYCLES_PER_MS) & (steps <= pressed)).any(), "nothing moved"
-            after = steps[(steps > pressed) & (steps < pressed + (PRESSED_MS + 1) * CYCLES_PER_MS)]
+            after = steps[(steps > pressed) & (steps < pressed + (self.pressed_ms + 2) * CYCLES_PER_MS)]
             latest = max(latest, float(after.max() - pressed) / CYCLES_PER_US if after.size else 0.0)
         return latest

@@ -39,6 +39,8 @@ MOST_US = 100
 """From the edge of the emergency stop to the last step, where a timer makes the steps."""
 MOST_POLLED_US = 1000
 """Where poll() does: as long as a round of an Uno's takes at most."""
+MOST_LOOKED_US = 10_000
+"""Where a timer makes the steps, and only poll() sees the pin: in four looks, 1 ms or a round of loop() apart."""
 FORMULAS, GAUGES, INPUTS, KEEPS, SOFT_LIMITS = 1, 2, 4, 8, 16
 OUTPUT_STATUS_BYTES = 26
 STEP, DIRECTION = 2, 5
@@ -65,6 +67,14 @@ def test_an_emergency_stop_halts_all(tmp_path: Path, record_property: Callable[.
     latest = stop.latest_us(tmp_path)
     record_property("latest_us", latest)
     assert latest <= (MOST_US if stop.timer else MOST_POLLED_US)
+
+
+def test_an_emergency_stop_at_a_pin_without_an_interrupt_waits_for_its_looks(
+    tmp_path: Path, record_property: Callable[..., None]
+) -> None:
+    latest = Stop(Engine(MEGA, 4), 3, pin=30, pressed_ms=12).latest_us(tmp_path)
+    record_property("latest_us", latest)
+    assert MOST_US < latest <= MOST_LOOKED_US
 
 
 @pytest.mark.parametrize("board", [UNO, MEGA], ids=lambda board: board.name)

@@ -19,8 +19,46 @@ LATE_US = {1: 12, 2: 30, 3: 50, 4: 50}
 BEHIND_OTHERS_US = 15
 """Timer1's interrupts go before Timer0's and the serial port's, those of Timer3, 4 and 5 behind: then steps are later.
 Most of the rest is where several axes load a segment at the same instant."""
+LONGEST_POLL_US = 5000
 LONGEST_ROUND_MS = 15
 """Of loop(), while four axes at their highest speed leave it a fifth of the processor."""
+
+
+COMPUTED = """
+#include <StepRampAxis.h>
+#include <StepRampTimer5.h>
+#include <avr/sleep.h>
+
+StepRampAxis a(4, 9), b(6, 10), c(8, 11), d(14, 15), *const AXES_OF[] = {&a, &b, &c, &d};
+
+void setup() {
+  Serial.begin(115200);
+  for (StepRampAxis *axis : AXES_OF) axis->setRamp(25000, 62500, 187500);
+  a.begin();
+  for (StepRampAxis *axis : AXES_OF) axis->moveTo(15500);
+  unsigned long longest = 0, from, took;
+  do {
+    from = micros();
+    StepRamp.poll();
+    took = micros() - from;
+    if (took > longest) longest = took;
+    from = micros();
+    while (micros() - from < 2000) {}
+  } while (StepRamp.isMoving());
+  Serial.print(longest);
+  Serial.print(' ');
+  Serial.print(StepRamp.ranDry());
+  Serial.print(' ');
+  Serial.print(d.position());
+  Serial.flush();
+  cli();
+  sleep_enable();
+  sleep_cpu();
+}
+
+void loop() {}
+"""
+"""Four axes at their highest speed, on ramps that are as long as 4 KB of RAM have room for."""
 
 
 @pytest.fixture(params=ENGINES, ids=lambda engine: engine.name)
@@ -177,6 +215,13 @@ def test_loop_may_take_milliseconds(
     work = f"unsigned long from = micros(); while (micros() - from < {loop_us}) {{}}"
     source = source_of(engine, image([plan] * count), move_all(steps), work + UNTIL_REST, axes=count)
     check_axes(run(engine, source, tmp_path, busy=False), plan, steps, LATE_US[count] + BEHIND_OTHERS_US)
+
+
+def test_poll_takes_no_longer_than_is_stated(tmp_path: Path, record_property: Callable[..., None]) -> None:
+    longest_us, dry, position = map(int, run(Engine(MEGA, 5), COMPUTED, tmp_path, busy=False).sent.split())
+    record_property("longest_us", longest_us)
+    assert (dry, position) == (0, 15_500)
+    assert 0.8 * LONGEST_POLL_US < longest_us <= LONGEST_POLL_US
 
 
 def test_a_loop_that_comes_much_too_late_loses_no_step_and_is_told_of(tmp_path: Path) -> None:

@@ -202,7 +202,7 @@ void enable_and_missing_pins()
         StepRamp.setEnablePin(pin);
         CHECK(x.begin() == STEPRAMP_BAD_PINS && !StepRamp.begin(image, image_bytes));
     }
-    CHECK(strcmp((const char *)x.problem(), "a pin is used twice or isn't there") == 0);
+    CHECK(strcmp((const char *)x.problem(), "a pin is used twice or isn't there, or too many inputs") == 0);
     StepRamp.setEnablePin(ENABLE);
     CHECK(x.begin() == STEPRAMP_READY && y.begin() == STEPRAMP_BAD_PINS && y.moveTo(1) == STEPRAMP_NO_RAMP);
     rest_at(x, 10);

@@ -81,6 +81,7 @@ void home()
     CHECK(x.moveTo(5000) == STEPRAMP_OK);
     poll_until_rest();
     CHECK(x.isAtLimit() && place >= 900 && place < 910 && x.move(1) == STEPRAMP_AT_LIMIT && !x.isHomed());
+    CHECK(x.home(500, 1001) == STEPRAMP_OUT_OF_RANGE && x.home(1001, 100) == STEPRAMP_OUT_OF_RANGE && !x.isMoving());
     CHECK(x.home(500, 100, 10) == STEPRAMP_OK);
     poll_for(30000);
     x.stop();
@@ -147,6 +148,7 @@ void bad_inputs()
     StepRamp.setHighLimit(0, STEP);
     CHECK(x.begin() == STEPRAMP_BAD_PINS);
     StepRamp.setEmergencyStop(16);
+    CHECK(strcmp((const char *)x.problem(), "a pin is used twice or isn't there, or too many inputs") == 0);
     CHECK(x.begin() == STEPRAMP_BAD_PINS && !StepRamp.begin(image, image_bytes));
 }
 
@@ -159,7 +161,7 @@ void shared_inputs()
     x.setLimitSwitches(LOW_SWITCH, STEPRAMP_NO_PIN, STEPRAMP_AT_ONCE);
     CHECK(x.begin() == STEPRAMP_READY);
     y.setLimitSwitches(LOW_SWITCH);
-    CHECK(x.begin() == STEPRAMP_BAD_PINS && strcmp((const char *)x.problem(), "a pin is used twice or isn't there") == 0);
+    CHECK(x.begin() == STEPRAMP_BAD_PINS && strcmp((const char *)x.problem(), "a pin is used twice or isn't there, or too many inputs") == 0);
 }
 
 void shared_stop()
@@ -233,8 +235,9 @@ void soft_limits_the_wrong_way_round()
     CHECK(x.moveTo(10) == STEPRAMP_AT_LIMIT && x.runAt(500) == STEPRAMP_AT_LIMIT && x.runAt(-500) == STEPRAMP_AT_LIMIT);
 }
 
-/* Halted at one step after another of a move: known is only where a motor is that was about as slow as at its ramp's first steps. */
-static void halt_everywhere(StepRampAxis &axis, int32_t steps, int32_t from, int32_t stride, unsigned long slowest_us)
+/* Halted at one step after another of a move: known is only where a motor is that was about as slow as at its ramp's first steps.
+ * Returns how often it was. */
+static int halt_everywhere(StepRampAxis &axis, int32_t steps, int32_t from, int32_t stride, unsigned long slowest_us)
 {
     int known = 0;
     for (; from <= steps; from += stride) {
@@ -249,7 +252,7 @@ static void halt_everywhere(StepRampAxis &axis, int32_t steps, int32_t from, int
         known += axis.isHomed();
         poll_for(20000);
     }
-    CHECK(known > 0);
+    return known;
 }
 
 void known_positions()
@@ -262,7 +265,7 @@ void known_positions()
     halt_everywhere(x, 1000, 1, 1, 700); /* the last intervals are 710, 926 and 2236 us: an event early it has the one that follows */
     x.setRamp(2000, 100000, 0, 1800);
     CHECK(x.begin() == STEPRAMP_READY);
-    halt_everywhere(x, 30, 1, 1, 500);
+    CHECK(halt_everywhere(x, 30, 1, 1, 500) > 0);
 }
 
 /* At a speed whose interval is long to the queue it is as fast in each of its parts. */
@@ -278,5 +281,9 @@ void known_positions_of_long_intervals()
         poll_for(500000 + after_us);
         x.halt();
         CHECK(!x.isHomed());
+        CHECK(x.setPosition(0) == STEPRAMP_OK && x.runAt(20) == STEPRAMP_OK); /* slower than the ramp's first step */
+        poll_for(500000 + after_us);
+        x.halt();
+        CHECK(x.isHomed());
     }
 }
