@@ -434,7 +434,7 @@ def test_a_halt_is_judged_by_the_steps_that_are_made_then(machine: Machine) -> N
 
 
 def test_on_a_ramp_of_long_intervals_no_halt_is_judged_by_what_is_planned(machine: Machine) -> None:
-    """Longer than an event, and shorter than the longest: in 1.9 to 6.9 ms no more is known of one than that it is long."""
+    """Of an interval that is longer than an event, as of 1.9 to 6.9 ms, no more is known than that it is."""
     side = [(111_040, 1, 0), (46_880, 1, 0), (36_000, 1, 0), (30_240, 1, 0), (26_000, 20, -300)]
     machine.push(p.Ramp(side, 20_000, side).image(1, fast=True))
     known_after = {}
