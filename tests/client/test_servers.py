@@ -7,6 +7,7 @@ import shutil
 import socket
 import sys
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -66,6 +67,29 @@ def test_the_one_that_began_last_comes_first(listening: socket.socket, tmp_path:
             assert running(tmp_path) == [newer, older]
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="all of 127.0.0.0/8 is this machine")
+def test_servers_at_one_port_of_two_addresses_are_found_both(listening: socket.socket, tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.2", listening.getsockname()[1])) as other:
+        older, newer = Server(url_of(listening)), Server(f"http://127.0.0.2:{other.getsockname()[1]}", "token")
+        with ExitStack() as first, noted(newer, tmp_path):
+            first.enter_context(noted(older, tmp_path))
+            assert running(tmp_path) == [older, newer]
+            first.close()
+            assert running(tmp_path) == [newer]
+
+
+def test_a_server_that_ends_leaves_the_note_of_one_that_came_to_its_place(
+    listening: socket.socket, tmp_path: Path
+) -> None:
+    older, newer = Server(url_of(listening)), Server(url_of(listening), "token")
+    with ExitStack() as first:
+        first.enter_context(noted(older, tmp_path))
+        with noted(newer, tmp_path):
+            first.close()
+            assert running(tmp_path) == [newer]
+        assert running(tmp_path) == []
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="locks of Unix")
 def test_a_note_of_a_server_that_was_killed_is_ignored(listening: socket.socket, tmp_path: Path) -> None:
     """Whoever listens at its port now is somebody else, who gets no token."""
@@ -103,3 +127,10 @@ def test_a_folder_that_can_t_be_written_to_keeps_no_server_from_running(tmp_path
     runtime.write_text("")
     with noted(Server("http://127.0.0.1:1"), tmp_path):
         assert running(tmp_path) == []
+
+
+def test_a_note_that_can_t_be_put_in_its_place_leaves_nothing(tmp_path: Path) -> None:
+    in_its_place = tmp_path / "servers" / "127.0.0.1-1.json"
+    in_its_place.mkdir(parents=True)
+    with noted(Server("http://127.0.0.1:1"), tmp_path):
+        assert list(in_its_place.parent.iterdir()) == [in_its_place]

@@ -8,10 +8,11 @@ import os
 import socket
 import sys
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from urllib.parse import parse_qsl, urlsplit
+from typing import TextIO
+from urllib.parse import parse_qsl, quote, urlsplit
 
 from stepramp.data_folder import data_folder, runtime_folder
 from stepramp.errors import Rejected, Rejection
@@ -107,27 +108,47 @@ def noted(server: Server, data: Path | None = None) -> Iterator[None]:
 @contextmanager
 def _noted_in(folder: Path, server: Server) -> Iterator[str | None]:
     """Leave a note in a folder; yield why there is none, or None."""
-    note = folder / f"{server.place[1]}.json"
+    host, port = server.place
+    # Servers at two addresses of this machine may have the same port.
+    note = folder / f"{quote(host, safe='')}-{port}.json"
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        unfinished = folder / f".{server.place[1]}.{os.getpid()}"
-        descriptor = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+        file, ours = _written(note, server)
     except OSError as error:
         yield f"{folder} has no note of it ({error.strerror or error})"
         return
-    with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-        if sys.platform != "win32":
-            fcntl.flock(file, fcntl.LOCK_EX)
-        json.dump(asdict(server), file)
-        file.flush()
-        if sys.platform == "win32":
-            file.close()
-        unfinished.replace(note)
+    with closing(file):
         try:
             yield None
         finally:
             with suppress(OSError):
-                note.unlink()
+                # Another server may have come to its place meanwhile.
+                if os.path.samestat(note.stat(), ours):
+                    note.unlink()
+
+
+def _written(note: Path, server: Server) -> tuple[TextIO, os.stat_result]:
+    """Write the note of a server; return its file, locked where there are locks, and which it is. Raises OSError."""
+    import tempfile  # noqa: PLC0415  # a stop does without
+
+    # A new file, which nobody but its user may read.
+    descriptor, unfinished = tempfile.mkstemp(prefix=".", dir=note.parent)
+    file = os.fdopen(descriptor, "w", encoding="utf-8")
+    try:
+        if sys.platform != "win32":
+            fcntl.flock(file, fcntl.LOCK_EX)
+        json.dump(asdict(server), file)
+        file.flush()
+        ours = os.fstat(file.fileno())
+        if sys.platform == "win32":
+            file.close()
+        Path(unfinished).replace(note)
+    except OSError:
+        with suppress(OSError):
+            file.close()
+        Path(unfinished).unlink()
+        raise
+    return file, ours
 
 
 def _read(note: Path) -> Server | None:
