@@ -21,7 +21,17 @@ from stepramp.client.calls import Call, Pause, get
 from stepramp.client.clients import Requests
 from stepramp.client.design_calls import stall_map
 from stepramp.client.servers import Server
-from stepramp.errors import NoServer, NotFound, Outdated, Refused, Rejected, StepRampError, Unauthorized
+from stepramp.errors import (
+    NoServer,
+    NotFound,
+    Outdated,
+    Overloaded,
+    Refused,
+    Rejected,
+    StepRampError,
+    TooOften,
+    Unauthorized,
+)
 from stepramp.http_api import idempotency
 from stepramp.http_api.access import Access, Role
 from stepramp.http_api.app import create_app
@@ -143,6 +153,51 @@ def test_a_run_is_over_once_its_program_was_silent(monkeypatch: pytest.MonkeyPat
         now_s[0] += 5.0 if where == "in a pause" else 60.0
     with pytest.raises(Refused, match=r"The run was given up, since this program was silent for (5|60) s"):
         script.send(None)
+
+
+@pytest.mark.parametrize("for_s", [0.05, 0.3, 0.5, 0.501, 0.52, 1.0, 1.004, 1.7, 2.0, 2.3, 7.777, 30.1])
+@pytest.mark.parametrize("answer_s", [0.0, 0.013, 0.2])
+def test_a_run_is_held_to_its_end_and_never_renewed_as_it_ends(
+    monkeypatch: pytest.MonkeyPatch, for_s: float, answer_s: float
+) -> None:
+    now_s = [1000.0]
+    monkeypatch.setattr(device_calls, "monotonic", lambda: now_s[0])
+    script = device_calls.run_for("1", 0, 400, for_s, stops=7)
+    step, held_until_s = next(script), 0.0
+    while isinstance(step, Pause) or step.path.endswith("/run"):
+        if isinstance(step, Pause):
+            now_s[0] += step.pause_s
+            step = script.send(None)
+        else:
+            lease_s = json.loads(step.body or b"")["for_s"]
+            # A renewal comes well before what it renews runs out.
+            assert held_until_s == 0 or now_s[0] + answer_s < held_until_s - 0.2
+            held_until_s = now_s[0] + lease_s
+            now_s[0] += answer_s
+            step = script.send(SimpleNamespace())
+    assert held_until_s == pytest.approx(1000 + for_s)
+    assert now_s[0] >= 1000 + for_s - 1e-6
+
+
+@pytest.mark.parametrize("refusal", [TooOften("Too often."), Overloaded("Too much.")])
+def test_who_is_asked_too_much_is_asked_again_until_what_moves_rests(
+    monkeypatch: pytest.MonkeyPatch, refusal: StepRampError
+) -> None:
+    now_s = [100.0]
+    monkeypatch.setattr(device_calls, "monotonic", lambda: now_s[0])
+    script = device_calls.until_rest("1", within_s=3)
+    asked = next(script)
+    for _ in range(2):
+        assert script.throw(refusal) == Pause(0.5)
+        assert script.send(None) == asked
+    with pytest.raises(StopIteration) as end:
+        script.send(SimpleNamespace(state="ready", shuttle=None))
+    assert end.value.value.state == "ready"
+    script = device_calls.until_rest("1", within_s=3)
+    next(script)
+    now_s[0] += 3.1
+    with pytest.raises(type(refusal)):
+        script.throw(refusal)
 
 
 def test_a_job_whose_client_gives_up_is_cancelled() -> None:

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
+import platformdirs
 import pytest
 
 from stepramp.client.servers import Server, named, noted, running
@@ -127,6 +128,29 @@ def test_a_folder_that_can_t_be_written_to_keeps_no_server_from_running(tmp_path
     runtime.write_text("")
     with noted(Server("http://127.0.0.1:1"), tmp_path):
         assert running(tmp_path) == []
+
+
+def test_a_server_that_commands_don_t_find_says_so(
+    listening: socket.socket, tmp_path: Path, runtime: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    runtime.write_text("")
+    server = Server(url_of(listening))
+    with noted(server, tmp_path / "data of its own"):
+        assert server not in running()
+    assert "have to be told where this server is, by --server or STEPRAMP_URL" in capsys.readouterr().err
+
+
+def test_a_runtime_folder_of_another_user_is_done_without(
+    listening: socket.socket, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_: object, **__: object) -> Path:
+        raise PermissionError("it is another user's")
+
+    monkeypatch.delenv(RUNTIME_VARIABLE)
+    monkeypatch.setattr(platformdirs, "user_runtime_path", refused)
+    server = Server(url_of(listening))
+    with noted(server, tmp_path):
+        assert running(tmp_path) == [server]
 
 
 def test_a_note_that_can_t_be_put_in_its_place_leaves_nothing(tmp_path: Path) -> None:

@@ -19,11 +19,13 @@ import pytest
 import stepramp
 from command_line.conftest import Ask, begun
 from designs import design, document
+from stepramp.client import Client
+from stepramp.client.calls import Call
 from stepramp.command_line.main import main
-from stepramp.command_line.motion import stopping
+from stepramp.command_line.motion import Motion, stopping
 from stepramp.command_line.pushing import backups
 from stepramp.design import Design
-from stepramp.errors import NoServer
+from stepramp.errors import NoServer, Overloaded, Refused, TooOften, Unauthorized
 from stepramp.http_api.backups_models import BackupAnswer, BackupsAnswer
 from stepramp.methods import METHODS
 from stepramp.ramp.profile import profile_of
@@ -310,6 +312,56 @@ def test_who_loses_the_server_is_told_at_once_what_to_do(capsys: pytest.CaptureF
     assert "The motor may still move: the stop is asked for" in told[0]
     assert "stepramp stop --port '/dev/tty A' --family grbl" in told[0]
     assert "THE STOP WAS NOT CONFIRMED" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("is_granted", "error", "stopped"),
+    [
+        (False, TooOften("Too often."), []),
+        (True, TooOften("Too often."), ["1"]),
+        (True, Unauthorized("The token is unknown."), ["1"]),
+        (True, Refused("Another motion came."), []),
+    ],
+)
+def test_what_was_granted_is_stopped_whatever_error_comes_and_what_was_refused_is_not(
+    capsys: pytest.CaptureFixture[str], is_granted: bool, error: Exception, stopped: list[str]
+) -> None:
+    asked: list[str] = []
+
+    def stop(device: str) -> SimpleNamespace:
+        asked.append(device)
+        return SimpleNamespace(axes=[SimpleNamespace(axis=0, position_steps=7, position_told=True)])
+
+    def fail(motion: Motion) -> None:
+        motion.is_granted = is_granted
+        raise error
+
+    where: Any = SimpleNamespace(client=SimpleNamespace(stop=stop))
+    there: Any = SimpleNamespace(id="1", port="sim://", family="stepramp")
+    with pytest.raises(type(error)), stopping(where, there) as motion:
+        fail(motion)
+    assert asked == stopped
+    assert ("stopped: sim://, axis 0 at 7 steps" in capsys.readouterr().err) == bool(stopped)
+
+
+def test_a_move_is_waited_for_though_the_server_is_asked_too_much(
+    ask: Ask, device: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    usual, refusals = Client.send, iter([TooOften("Too often."), Overloaded("Too much.")])
+
+    def send(client: Client, call: Call[Any]) -> Any:
+        refusal = next(refusals, None) if is_begun and call.method == "GET" else None
+        if refusal is not None:
+            raise refusal
+        is_begun.extend([call] if call.path.endswith("/move") else [])
+        return usual(client, call)
+
+    is_begun: list[Call[Any]] = []
+    monkeypatch.setattr(Client, "send", send)
+    before = json.loads(ask(f"status {device} --format json").out)["position_steps"]
+    told = ask(f"move --by 20 --trace steps.csv {device} --format json")
+    assert (told.code, next(refusals, None)) == (0, None), told.err
+    assert json.loads(told.out)["position_steps"] == before + 20
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from uuid import uuid4
 
 from stepramp.client.calls import CONNECTING_S, PUSHING_S, QUICK_S, Call, Pause, Script, get, payload, post
 from stepramp.client.design_calls import ADesign
-from stepramp.errors import Refused, Rejected, Rejection
+from stepramp.errors import Overloaded, Refused, Rejected, Rejection, TooOften
 from stepramp.http_api.backups_models import ArchiveAnswer, BackupsAnswer, RestoredAnswer, RestorePayload
 from stepramp.http_api.devices_models import (
     ConnectPayload,
@@ -49,6 +49,8 @@ LEASE_S = 2.0
 """So long an axis runs on after whoever makes it run is gone [s]."""
 RENEWED_EVERY_S = 0.5
 LOOKED_AT_EVERY_S = 0.05
+ASKED_AGAIN_AFTER_S = 0.5
+"""So long a server that was asked too much is left alone [s]."""
 
 
 def ports() -> Call[PortsAnswer]:
@@ -276,11 +278,18 @@ def until_rest(
 ) -> Script[DeviceAnswer]:
     """Wait until a device moves no more, and return it as it is then; or is lost, or so much time is over [s].
 
-    tell: called with it as it moves.
+    A server that doesn't tell just now, as it was asked too much, is asked again. tell: called with it as it moves.
     """
     begin_s = monotonic()
     while True:
-        now: DeviceAnswer = yield device(device_id)
+        try:
+            now: DeviceAnswer = yield device(device_id)
+        except (TooOften, Overloaded):
+            if within_s is not None and monotonic() - begin_s > within_s:
+                raise
+            # What moves goes on meanwhile.
+            yield Pause(ASKED_AGAIN_AFTER_S)
+            continue
         tell(now)
         is_over = within_s is not None and monotonic() - begin_s > within_s
         if is_over or (now.state not in ("moving", "stopping") and now.shuttle is None):
@@ -309,16 +318,20 @@ def run_for(
     axes, name = [{"axis": axis, "speed_steps_per_s": speed_steps_per_s}], uuid4().hex
     begin_s = asked_s = monotonic()
     until_s, held_until_s = begin_s + for_s, None
-    while (now_s := monotonic()) < until_s:
+    # What is left of the last renewal lasts to the end: one more might come as the axis slows down already.
+    while held_until_s is None or until_s - monotonic() > RENEWED_EVERY_S:
+        now_s = monotonic()
         _refuse_silence(now_s, asked_s, held_until_s)
         renews = None if held_until_s is None else True
         asked_s, lasts_s = now_s, min(LEASE_S, max(until_s - now_s, 0.05))
+        lasts_to_the_end = lasts_s >= until_s - now_s
         now: DeviceAnswer = yield run(device_id, axes=axes, for_s=lasts_s, name=name, renews=renews, stops=stops)
-        held_until_s = asked_s + lasts_s
+        held_until_s = until_s if lasts_to_the_end else asked_s + lasts_s
         tell(now)
         yield Pause(min(RENEWED_EVERY_S, max(0.0, until_s - monotonic())))
-    if held_until_s is not None and held_until_s < until_s:
-        _refuse_silence(now_s, asked_s, held_until_s)
+    if held_until_s < until_s:
+        _refuse_silence(monotonic(), asked_s, held_until_s)
+    yield Pause(max(0.0, until_s - monotonic()))
     return (yield from until_rest(device_id, tell=tell))
 
 

@@ -84,21 +84,26 @@ def _folders(data: Path | None) -> list[Path]:
 
     The former may be taken away when the user logs out, though a server goes on.
     """
-    return list(dict.fromkeys([runtime_folder() / _FOLDER, (data or data_folder()) / _FOLDER]))
+    beside_data = (data or data_folder()) / _FOLDER
+    # Where the system has none, and the folder in its place is another user's, there is none.
+    with suppress(OSError):
+        return list(dict.fromkeys([runtime_folder() / _FOLDER, beside_data]))
+    return [beside_data]
 
 
 @contextmanager
 def noted(server: Server, data: Path | None = None) -> Iterator[None]:
     """Leave a note of a server as long as the context lasts. Nobody but its user may read it: it has the token.
 
-    Where no folder can be written to, the server has no note, which is told and keeps it from nothing.
+    Where none of the folders that commands look into can be written to, that is told, and keeps it from nothing.
     """
+    looked_into = _folders(None)
     with ExitStack() as notes:
-        refusals = [notes.enter_context(_noted_in(folder, server)) for folder in _folders(data)]
-        if all(refusals):
+        refusals = {folder: notes.enter_context(_noted_in(folder, server)) for folder in _folders(data)}
+        if all(refusals.get(folder, "no note") for folder in looked_into):
+            why = refusals.get(looked_into[0]) or f"{looked_into[0]} has no note of it"
             print(
-                f"{refusals[-1]}: commands of this machine have to be told where this server is, by --server or "
-                f"{URL_VARIABLE}.",
+                f"{why}: commands of this machine have to be told where this server is, by --server or {URL_VARIABLE}.",
                 file=sys.stderr,
                 flush=True,
             )

@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from types import FrameType
 from typing import Annotated, Any
 
@@ -22,7 +23,7 @@ from stepramp.command_line.files import write
 from stepramp.command_line.output import Format, Rows, progress, show, tell, warn
 from stepramp.command_line.stop import USUAL_FAMILY, places_of
 from stepramp.command_line.where import Where
-from stepramp.errors import DeviceLost, NoServer, Refused, Rejected, Rejection, StepRampError
+from stepramp.errors import DeviceLost, NoServer, Overloaded, Refused, Rejected, Rejection, StepRampError, TooOften
 from stepramp.http_api.devices_models import AxisAnswer, DeviceAnswer
 from stepramp.http_api.motion_models import TraceAnswer
 
@@ -70,7 +71,7 @@ def move(
     device = find()
     planned = device_calls.move(device.id, axes=[asked], stops=device.stops)
     far = f"to position {to_steps or 0:,}" if by_steps is None else f"by {by_steps:,} steps"
-    with stopping(where, device):
+    with stopping(where, device) as motion:
         if trace_file is not None:
             client.trace_moves(device.id, axis)
         now = client.send(planned)
@@ -79,8 +80,10 @@ def move(
         if no_wait:
             show(format, now, axes_of(now))
             return
+        motion.is_granted = True
         with progress("Move") as told:
             rested = client.until_rest(device.id, tell=_part(axis, device, told))
+        motion.is_granted = False
         traced = None if trace_file is None else _whole_trace(where, device.id)
     not_written = None
     if traced is not None and trace_file is not None:
@@ -113,7 +116,7 @@ def run(
     device_calls.refuse_rest(speed_steps_per_s)
     device_calls.run("", axes=[{"axis": axis, "speed_steps_per_s": speed_steps_per_s}])
     device, begin_s, is_told = find(), time.monotonic(), False
-    with stopping(where, device), progress("Run") as told:
+    with stopping(where, device) as motion, progress("Run") as told:
 
         def tell_part(_: DeviceAnswer) -> None:
             nonlocal is_told
@@ -122,7 +125,7 @@ def run(
                     f"axis {axis} of {device.name} at {device.port} runs at {speed_steps_per_s:,.6g} steps/s "
                     f"for {for_s:,.6g} s; Ctrl+C stops it"
                 )
-            is_told = True
+            is_told = motion.is_granted = True
             told(min(1.0, (time.monotonic() - begin_s) / for_s))
 
         rested = where.client.run_for(device.id, axis, speed_steps_per_s, for_s, stops=device.stops, tell=tell_part)
@@ -146,11 +149,12 @@ def home(
     asked = {"axis": axis, "fast_steps_per_s": fast_steps_per_s, "position_steps": position_steps}
     device_calls.home("", [asked], slow_steps_per_s, back_off_steps=back_off_steps, for_s=for_s)
     device = find()
-    with stopping(where, device):
+    with stopping(where, device) as motion:
         where.client.home(
             device.id, [asked], slow_steps_per_s, back_off_steps=back_off_steps, for_s=for_s, stops=device.stops
         )
         tell(f"axis {axis} of {device.name} at {device.port} looks for its limit switch; Ctrl+C stops it")
+        motion.is_granted = True
         rested = where.client.until_rest(device.id)
     show(format, rested, axes_of(rested))
     if not next(each for each in rested.axes if each.axis == axis).position_known:
@@ -172,24 +176,36 @@ def trace(where: Where, find: Find, format: Format = "table") -> None:
     show(format, traced, figures, listed=listed)
 
 
+@dataclass
+class Motion:
+    """What a command sets in motion."""
+
+    is_granted: bool = False
+    """Whether it was, and has not come to its end."""
+
+
 @contextmanager
-def stopping(where: Where, device: DeviceAnswer) -> Iterator[None]:
+def stopping(where: Where, device: DeviceAnswer) -> Iterator[Motion]:
     """Stop a device when the context is interrupted, also by a signal, or it isn't known what came of it.
 
-    What was refused has set nothing in motion: somebody else's motion goes on.
+    What was refused has set nothing in motion: somebody else's motion goes on. So it does where a motion that was
+    granted is refused to go on: it is over. After any other error it may go on, with nobody who waits for it.
     """
+    motion = Motion()
     with _signals(_interrupt):
         try:
-            yield
+            yield motion
         except BaseException as error:
-            if isinstance(error, StepRampError) and not isinstance(error, NoServer | DeviceLost):
+            is_lost = isinstance(error, NoServer | DeviceLost)
+            is_left = motion.is_granted and isinstance(error, StepRampError) and not isinstance(error, Refused)
+            if isinstance(error, StepRampError) and not (is_lost or is_left):
                 raise
             # A reflex presses Ctrl+C twice: the stop isn't given up by that.
             with _signals(signal.SIG_IGN):
                 if isinstance(error, NoServer):
                     tell(f"{error} The motor may still move: the stop is asked for, for up to {STOP_WITHIN_S:g} s.")
                     tell(f"If the server is gone: {_how_to_stop(device)}")
-                _stop(where, device, is_told=isinstance(error, KeyboardInterrupt))
+                _stop(where, device, is_told=isinstance(error, KeyboardInterrupt) or (is_left and not is_lost))
             raise
 
 
@@ -266,8 +282,15 @@ def _refuse_other_end(rested: DeviceAnswer, began: DeviceAnswer, axis: int) -> N
 def _whole_trace(where: Where, device_id: str) -> TraceAnswer:
     until_s = time.monotonic() + TRACE_WITHIN_S
     while True:
-        traced = where.client.trace(device_id)
-        if traced.complete or traced.changed or time.monotonic() > until_s:
+        is_over = time.monotonic() > until_s
+        try:
+            traced = where.client.trace(device_id)
+        except (TooOften, Overloaded):
+            if is_over:
+                raise
+            time.sleep(device_calls.ASKED_AGAIN_AFTER_S)
+            continue
+        if traced.complete or traced.changed or is_over:
             return traced
         time.sleep(0.05)
 
