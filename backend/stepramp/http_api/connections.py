@@ -142,6 +142,11 @@ class Connections:
         if self._answered:
             asyncio.get_running_loop().call_soon(self._see_who_waits, listener)
 
+    async def take_or_cut(self, client: Sequence[object] | None, within_s: float) -> None:
+        """Return once a client's connection is free of what was written to it before; see Connection.take_or_cut."""
+        for each in [each for each in self._open if each.is_listening and client and each.client == tuple(client)]:
+            await each.take_or_cut(within_s)
+
     def discard(self, connection: "Connection") -> None:
         """Note that one has ended."""
         self._open.discard(connection)
@@ -190,6 +195,20 @@ class Connection(H11Protocol):
         """Wait for the next request, which may have begun already."""
         self._waits_since_s = self.loop.time()
         super().on_response_complete()
+
+    async def take_or_cut(self, within_s: float) -> None:
+        """Return once the system has taken all that was written, or it has gone; cut it when that lasts too long."""
+        if self.transport.is_closing():
+            return
+        # Of what is little the server's protocol wouldn't wait. Not 0: over TLS even nothing would be too much.
+        self.transport.set_write_buffer_limits(high=1)
+        try:
+            async with asyncio.timeout(within_s):
+                await self.flow.drain()
+        except TimeoutError:
+            self.transport.abort()
+        if not self.transport.is_closing():
+            self.transport.set_write_buffer_limits()
 
     def make_as_old_as(self, request_number: int) -> None:
         """Have what waits to be read count as asked for then."""

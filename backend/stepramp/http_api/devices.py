@@ -9,6 +9,7 @@ from fastapi import APIRouter, WebSocket
 from stepramp.devices.registry import Devices
 from stepramp.errors import Refused
 from stepramp.http_api import backups, jog, motion, settings, stopping, surroundings
+from stepramp.http_api.answered import UNREAD_S
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.device_registry import Acting, ClientName, Keeper, Page, Registry, page_at
 from stepramp.http_api.devices_models import (
@@ -31,9 +32,6 @@ from stepramp.http_api.news import News
 from stepramp.http_api.sign_in import client_of
 from stepramp.http_api.sockets import accept, received, send, send_at_last, served
 from stepramp.http_api.stop_messages import MOST_AT_A_TIME, PendingAnswer, PendingAnswers, answered
-
-UNREAD_S = 1.0
-"""So long a stop whose answer isn't read counts as unanswered, and lets nothing move [s]."""
 
 router = APIRouter(
     tags=["devices"],

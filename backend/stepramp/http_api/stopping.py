@@ -12,10 +12,10 @@ from stepramp.devices.device import Device
 from stepramp.devices.registry import Devices
 from stepramp.devices.stopping import NotStopped
 from stepramp.errors import DeviceLost, Refused, StepRampError
+from stepramp.http_api.answered import LastResponse, until_answered
 from stepramp.http_api.device_registry import Registry
 from stepramp.http_api.devices_models import DeviceAnswer
 from stepramp.http_api.error_items import ErrorItem, error_items
-from stepramp.http_api.json_response import JsonResponse
 from stepramp.http_api.stop_body import MOST_BYTES, axes_of_stop
 from stepramp.http_api.stopping_models import AllStoppedAnswer, AxesPayload
 
@@ -32,40 +32,43 @@ AXES_IN_BODY = {
 
 
 @router.post("/devices/stop", response_model=AllStoppedAnswer)
-async def stop_all(devices: Registry) -> JsonResponse[AllStoppedAnswer]:
+async def stop_all(devices: Registry, request: Request) -> LastResponse:
     """Stop every device, whatever it does, before anything else. What was asked before moves nothing afterwards.
 
     The answer tells what was last heard of each. One that is lost or still being connected may move on: it is stopped
     as soon as it answers, and `errors` says so. One that refuses to stop goes on, and `errors` says why.
     """
+    until_answered(request.scope, devices.being_stopped())
     owed = await stop_every(devices)
-    answer = {"devices": devices.views(), **({"errors": owed} if owed else {})}
-    return JsonResponse(AllStoppedAnswer.model_validate(answer))
+    told = {"errors": owed} if owed else {}
+    return LastResponse(lambda: AllStoppedAnswer.model_validate({"devices": devices.views(), **told}))
 
 
-@router.post("/devices/{device_id}/stop", openapi_extra=AXES_IN_BODY)
-async def stop(device_id: str, devices: Registry, request: Request) -> DeviceAnswer:
+@router.post("/devices/{device_id}/stop", response_model=DeviceAnswer, openapi_extra=AXES_IN_BODY)
+async def stop(device_id: str, devices: Registry, request: Request) -> LastResponse:
     """Slow axes, or all, down with their ramps, before anything else. What was asked before moves nothing any more.
 
     A device that is lost or still being connected is stopped as soon as it answers; the error says so. One that refuses
     to stop, as a printer that prints, goes on; the error says why.
     """
     device = devices.get(device_id)
-    with device.being_stopped(), _told_as_owed():
+    until_answered(request.scope, device.being_stopped())
+    with _told_as_owed():
         await _granted(device.stop(await _axes(request)))
-    return DeviceAnswer.model_validate(device.view)
+    return LastResponse(lambda: DeviceAnswer.model_validate(device.view))
 
 
-@router.post("/devices/{device_id}/halt", openapi_extra=AXES_IN_BODY)
-async def halt(device_id: str, devices: Registry, request: Request) -> DeviceAnswer:
+@router.post("/devices/{device_id}/halt", response_model=DeviceAnswer, openapi_extra=AXES_IN_BODY)
+async def halt(device_id: str, devices: Registry, request: Request) -> LastResponse:
     """Make no further step, before anything else; a fast motor may slip. What was asked before moves nothing.
 
     A device that is lost or still being connected is halted as soon as it answers; the error says so.
     """
     device = devices.get(device_id)
-    with device.being_stopped(), _told_as_owed():
+    until_answered(request.scope, device.being_stopped())
+    with _told_as_owed():
         await _granted(device.halt(await _axes(request)))
-    return DeviceAnswer.model_validate(device.view)
+    return LastResponse(lambda: DeviceAnswer.model_validate(device.view))
 
 
 async def stop_every(devices: Devices) -> list[ErrorItem]:
