@@ -109,7 +109,7 @@ def test_its_server_is_healthy_and_keeps_what_it_has_in_the_volume(container: tu
         "ramp": {"slew_speed_steps_per_s": 1000, "acceleration_steps_per_s2": 5000}
     }
     with Client(f"http://127.0.0.1:{port}/") as client:
-        client.add_design(design)
+        client.add_design(design, name="kept")
     assert list(data.glob("*.db*")) or list(data.glob("*.sqlite*"))
 
 
