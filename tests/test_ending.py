@@ -5,17 +5,17 @@ from __future__ import annotations
 import signal
 import socket
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
 
 from controllers.usb_board import UsbBoard
 from designs import document
-from server_process import PATIENCE_S, ServerProcess
+from server_process import ServerProcess
 from stepramp.controllers.stepramp.messages.motion import MoveByRequest, RunRequest, StopRequest
 from stepramp.controllers.stepramp.messages.status import AxisState
 from stepramp.controllers.virtual.motor_state import state_of
+from waiting import until
 
 LONG_MOVE = 1_000_000
 
@@ -47,13 +47,6 @@ def board(server: ServerProcess) -> Iterator[UsbBoard]:
         server.ask("POST", f"devices/{device}/move", {"by_steps": LONG_MOVE})
         assert MoveByRequest.KIND in board.requests
         yield board
-
-
-def until(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
-from http_api.two_axes import LOCAL, device_of, error_of, until
+from http_api.two_axes import LOCAL, device_of, error_of
+from waiting import until
 
 ROLES = [
     {"input": "A0", "role": "emergency_stop", "active": "high"},

@@ -8,7 +8,8 @@ import time
 import pytest
 from starlette.testclient import TestClient
 
-from http_api.two_axes import DEVICES, LOCAL, error_of, until, until_state
+from http_api.two_axes import DEVICES, LOCAL, error_of, until_state
+from waiting import until
 
 
 def test_a_run_ends_with_its_lease_and_goes_on_when_asked_again(client: TestClient, route: str) -> None:

@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
-from http_api.two_axes import error_of, until
+from http_api.two_axes import error_of
+from waiting import until
 
 
 @pytest.mark.parametrize(

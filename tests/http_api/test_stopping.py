@@ -12,10 +12,11 @@ from starlette.testclient import TestClient
 
 from designs import document
 from event_loop import run
-from http_api.two_axes import DEVICES, LOCAL, error_of, port_of, until
+from http_api.two_axes import DEVICES, LOCAL, error_of, port_of
 from stepramp.controllers.stepramp.messages.motion import MoveByRequest, StopRequest
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.http_api.app import create_app
+from waiting import until
 
 STOPS = "X-StepRamp-Stops"
 MOTIONS: list[tuple[str, dict[str, object]]] = [

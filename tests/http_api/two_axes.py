@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -12,10 +11,10 @@ from starlette.testclient import TestClient
 from designs import document
 from stepramp.controllers.virtual.controller import VirtualController
 from stepramp.link import protocol_sim
+from waiting import until
 
 DEVICES = "/api/v1/devices"
 LOCAL = {"host": "127.0.0.1:8000"}
-PATIENCE_S = 15.0
 _numbers = itertools.count()
 
 
@@ -31,13 +30,6 @@ def device_of(ask: Callable[[str, str, Any], Any]) -> str:
     route = f"{DEVICES}/{ask('POST', DEVICES, {'port': port})['id']}"
     assert ask("POST", f"{route}/push", {"axes": [document(), document()]})["verified"]
     return route
-
-
-def until(condition: Callable[[], Any]) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 def until_state(client: TestClient, route: str, state: str) -> None:

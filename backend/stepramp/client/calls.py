@@ -119,21 +119,7 @@ class Asked(Generic[P, A]):
     def __get__(self, client: Awaiting, owner: type) -> Callable[P, Awaitable[A]]: ...
     def __get__(self, client: Blocking | Awaiting | None, owner: type) -> Any:
         """Return the method of a client."""
-        if client is None:
-            return self
-
-        if isinstance(client, Blocking):
-
-            def ask(*arguments: P.args, **options: P.kwargs) -> Any:
-                return client.send(self._make(*arguments, **options))
-
-            return update_wrapper(ask, self._make)
-
-        # What can't be sent is refused as it is awaited, too: several may be gathered.
-        async def awaited(*arguments: P.args, **options: P.kwargs) -> Any:
-            return await client.send(self._make(*arguments, **options))
-
-        return update_wrapper(awaited, self._make)
+        return self if client is None else _method(client, self._make, client.send)
 
 
 class Scripted(Generic[P, A]):
@@ -151,17 +137,20 @@ class Scripted(Generic[P, A]):
     def __get__(self, client: Awaiting, owner: type) -> Callable[P, Awaitable[A]]: ...
     def __get__(self, client: Blocking | Awaiting | None, owner: type) -> Any:
         """Return the method of a client."""
-        if client is None:
-            return self
+        return self if client is None else _method(client, self._make, client.play)
 
-        if isinstance(client, Blocking):
 
-            def play(*arguments: P.args, **options: P.kwargs) -> Any:
-                return client.play(self._make(*arguments, **options))
+def _method(client: Blocking | Awaiting, make: Callable[P, Any], carry_out: Callable[[Any], Any]) -> Callable[P, Any]:
+    """Return a method of a client that carries out what a function makes."""
+    if isinstance(client, Blocking):
 
-            return update_wrapper(play, self._make)
+        def blocking(*arguments: P.args, **options: P.kwargs) -> Any:
+            return carry_out(make(*arguments, **options))
 
-        async def awaited(*arguments: P.args, **options: P.kwargs) -> Any:
-            return await client.play(self._make(*arguments, **options))
+        return update_wrapper(blocking, make)
 
-        return update_wrapper(awaited, self._make)
+    # What can't be sent is refused as it is awaited, too: several may be gathered.
+    async def awaited(*arguments: P.args, **options: P.kwargs) -> Any:
+        return await carry_out(make(*arguments, **options))
+
+    return update_wrapper(awaited, make)

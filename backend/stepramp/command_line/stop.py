@@ -144,7 +144,7 @@ def _is_had(port: str | None, answered: Iterable[_Answered]) -> bool:
     """Tell whether a port is a server's, by whichever of its names; so is none."""
     if port is None:
         return True
-    from stepramp.link.ports import location_of  # noqa: PLC0415
+    from stepramp.link.ports import location_of  # noqa: PLC0415  # most stops name no port
 
     there = location_of(port)
     return any(location_of(each) == there for server in answered for each in server.ports)
@@ -217,7 +217,7 @@ def _stop_at_port(asked: Asked) -> int:
             _send_at_once(asked.port)
             outcome = "was sent a stop, which is NOT confirmed"
         # It goes the usual way, too, which waits until it is granted: this takes a second to load.
-        from stepramp.command_line.stop_at_port import stop_at  # noqa: PLC0415
+        from stepramp.command_line.stop_at_port import stop_at  # noqa: PLC0415  # as said
 
         _say(stop_at(asked.port, asked.family, halt=asked.halt))
     except StepRampError as error:
