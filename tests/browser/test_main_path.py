@@ -41,9 +41,9 @@ def test_from_opening_the_page_to_the_final_position(stepramp: StepRampPage) -> 
     expect(page.locator(".push-details td.differs")).to_have_count(0)
     assert stepramp.devices()[0]["ramp"]["sequence"] >= 1
 
-    stepramp.move("400")
+    stepramp.move("4000")
     expect(stepramp.state).to_have_text("moving")
-    expect(stepramp.position).to_have_text("400")
+    expect(stepramp.position).to_have_text("4,000")
     expect(stepramp.state).to_have_text("ready")
     stepramp.move("-1,100", kind="to")
     expect(stepramp.position).to_have_text("−1,100")

@@ -29,6 +29,7 @@ from stepramp.errors import NoServer, Overloaded, Refused, TooOften, Unauthorize
 from stepramp.http_api.backups_models import BackupAnswer, BackupsAnswer
 from stepramp.methods import METHODS
 from stepramp.ramp.profile import profile_of
+from waiting import until
 
 pytestmark = pytest.mark.usefixtures("server", "folder")
 unix_only = pytest.mark.skipif(sys.platform == "win32", reason="signals and pseudo-terminals of Unix")
@@ -39,6 +40,10 @@ def device(ask: Ask) -> str:
     """Connect the virtual controller, with a ramp."""
     assert ask("push design.json --port sim:// --yes").code == 0
     return "--port sim://"
+
+
+def until_state(ask: Ask, device: str, state: str) -> None:
+    until(lambda: json.loads(ask(f"status {device} --format json").out)["state"] == state)
 
 
 def test_a_format_is_for_people_spreadsheets_or_programs(ask: Ask) -> None:
@@ -230,8 +235,7 @@ def test_a_motion_that_is_interrupted_is_stopped(ask: Ask, device: str, words: s
     with begun(f"{words} {device}", stderr=subprocess.PIPE) as process:
         assert process.stderr is not None
         assert "Ctrl+C stops it" in process.stderr.readline()
-        while json.loads(ask(f"status {device} --format json").out)["state"] != "moving":
-            pass
+        until_state(ask, device, "moving")
         process.send_signal(ending)
         assert "stopped: sim://, axis 0 at " in process.stderr.read()
     assert process.returncode == 130
@@ -243,11 +247,9 @@ def test_a_run_that_was_paused_is_over(ask: Ask, device: str) -> None:
     with begun(f"run --speed 500 --for 60 {device}", stderr=subprocess.PIPE) as process:
         assert process.stderr is not None
         assert "Ctrl+C stops it" in process.stderr.readline()
-        while json.loads(ask(f"status {device} --format json").out)["state"] != "moving":
-            pass
+        until_state(ask, device, "moving")
         process.send_signal(signal.SIGSTOP)
-        while json.loads(ask(f"status {device} --format json").out)["state"] != "ready":
-            pass
+        until_state(ask, device, "ready")
         place = json.loads(ask(f"status {device} --format json").out)["position_steps"]
         process.send_signal(signal.SIGCONT)
         said = process.stderr.read()
@@ -287,12 +289,12 @@ def test_a_trace_that_can_t_be_written_does_not_undo_the_move(ask: Ask, device: 
 
 @unix_only
 def test_a_move_that_another_came_after_says_so_and_keeps_its_trace(ask: Ask, device: str) -> None:
-    with begun(f"move --by 400 --trace first.csv {device}", stderr=subprocess.PIPE) as process:
+    with begun(f"move --by 200000 --trace first.csv {device}", stderr=subprocess.PIPE) as process:
         assert process.stderr is not None
         assert "Ctrl+C stops it" in process.stderr.readline()
-        while json.loads(ask(f"status {device} --format json").out)["state"] != "moving":
-            pass
-        assert ask(f"move --by 30 {device}").code == 0
+        # It lasts for as long as it may take to begin the other one.
+        until_state(ask, device, "moving")
+        assert ask(f"move --to 0 {device}").code == 0
         assert "Another motion came after this move: the axis rests at " in process.stderr.read()
     assert process.returncode == 1
     assert Path("first.csv").exists()

@@ -14,6 +14,7 @@ from controllers.grbl.emulator import GrblEmulator, GrblOnACable
 from stepramp.command_line.main import main
 from stepramp.command_line.server_commands import add_stop
 from stepramp.command_line.stop import HALT, WITH_VALUE, Asked, asked_by, places_of
+from waiting import until
 
 SLOW = {
     "numpy",
@@ -146,8 +147,7 @@ def test_it_stops_and_halts_one_device_or_all(ask: Ask) -> None:
         [device] = json.loads(ask("devices --format json").out)["devices"]
         told = ask(f"stop {words.format(id=device['id'])}")
         assert (told.code, told.err, told.out.startswith("Stopped: device ")) == (0, "", True), told
-        while json.loads(ask("devices --format json").out)["devices"][0]["state"] != "ready":
-            pass
+        until(lambda: json.loads(ask("devices --format json").out)["devices"][0]["state"] == "ready")
     assert ask("stop --device 99").code == 1
 
 

@@ -18,6 +18,7 @@ from command_line.conftest import Ask, begun
 from controllers.board_process import BoardProcess
 from stepramp.client.servers import Server, noted
 from stepramp.command_line import stop
+from waiting import until
 
 pytestmark = [
     pytest.mark.usefixtures("alone", "folder"),
@@ -88,8 +89,7 @@ def test_what_moves_by_itself_is_stopped_though_another_server_runs(ask: Ask, po
         f"Stopped: the server at {servers[1].url}, which has no device.",
     }
     assert last.startswith(f"Stopped: {port}, axis 0 at ")
-    while _state(ask, port) != "ready":
-        pass
+    until(lambda: _state(ask, port) == "ready")
 
 
 def test_what_a_server_has_is_stopped_by_it_whatever_its_port_is_called(

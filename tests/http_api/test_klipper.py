@@ -11,7 +11,7 @@ from starlette.testclient import TestClient
 from controllers.klipper.printer import CONFIG, MACROS
 from controllers.klipper.server import MoonrakerServer
 from designs import document
-from http_api.families import DEVICES, connected, ok, wait_until
+from http_api.families import DEVICES, at_rest, connected, ok, wait_until
 from stepramp.http_api.app import create_app
 from stepramp.link.remote_ports import RemotePorts
 
@@ -54,9 +54,8 @@ def test_from_connecting_to_restoring(client: TestClient, route: str, server: Mo
     assert "max_velocity: 100" in server.printer.files["printer.cfg"]
     server.printer.homed = "xyz"
     ok(client.post(f"{route}/move", json={"by_steps": 1600}))
-    wait_until(client, route, lambda device: device["state"] == "moving")
-    device = wait_until(client, route, lambda device: device["state"] == "ready")
-    assert device["axes"][0]["position_steps"] == 9600
+    wait_until(client, route, lambda device: device["axes"][0]["position_steps"] == 9600)
+    at_rest(client, route)
     server.printer.has_current = False
     ok(client.post(f"{route}/backups/{saved.stem}/restore"))
     assert server.printer.files["printer.cfg"] == CONFIG

@@ -304,7 +304,7 @@ def test_a_stop_ends_a_jog_s_socket_for_good(client: TestClient, route: str) -> 
         assert "A stop came first" in socket.receive_json()["errors"][0]["message"]
     with client.websocket_connect(f"{route}/jog", headers=LOCAL) as socket:
         socket.send_json({"do": "run", "speed_steps_per_s": 400})
-        until(lambda: client.get(route).json()["state"] == "moving")
+        until(lambda: client.get(route).json()["axes"][0]["position_steps"] > 0)
 
 
 def test_a_page_that_was_taken_over_jogs_no_more(client: TestClient, route: str) -> None:
