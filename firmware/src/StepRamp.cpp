@@ -77,6 +77,21 @@ void end_homing(uint8_t mask)
 #endif
 }
 
+/* For as long as an input takes to change: what is active already counts before the first motion is asked for. It doesn't wait for
+ * the clock, which stands still where interrupts are off. */
+void look_at_inputs()
+{
+#if HAS_INPUTS
+    if (has_inputs()) {
+        uint16_t now_ms = board_milliseconds();
+        for (uint8_t left = settings_now.looks; left != 0; left--) {
+            delayMicroseconds(1000);
+            WITH_INPUTS(machine_watch_inputs)(++now_ms);
+        }
+    }
+#endif
+}
+
 /* Nothing moves before the next good image. */
 void forget_image()
 {
@@ -184,6 +199,7 @@ bool StepRampClass::begin(const uint8_t *ramp, uint16_t length)
         return false;
     }
     machine_use(ramp, &settings_now);
+    look_at_inputs();
     return true;
 }
 

@@ -1,5 +1,6 @@
 """Inputs of sketches, in the simulator: how soon an emergency stop is obeyed, and what the examples with inputs do."""
 
+import re
 import struct
 from collections.abc import Callable
 from itertools import pairwise
@@ -10,10 +11,12 @@ import pytest
 
 from firmware.arduino.board import LEONARDO, LIBRARY, MEGA, UNO, build, build_sketch
 from firmware.arduino.pins import after_s, edges_until, moves_of, times_us
-from firmware.arduino.stops import Stop
+from firmware.arduino.stops import PINS, Stop
+from firmware.arduino.timed import UNTIL_REST, run, source_of
 from firmware.engine.jobs import Engine
 from firmware.protocol import (
     ACKNOWLEDGE,
+    AT_LIMIT,
     BY_EMERGENCY_STOP,
     EMERGENCY_STOP,
     HELLO,
@@ -39,7 +42,7 @@ MOST_US = 100
 """From the edge of the emergency stop to the last step, where a timer makes the steps."""
 MOST_POLLED_US = 1000
 """Where poll() does: as long as a round of an Uno's takes at most."""
-MOST_LOOKED_US = 10_000
+MOST_LOOKED_US = 12_000
 """Where a timer makes the steps, and only poll() sees the pin: in four looks, 1 ms or a round of loop() apart."""
 FORMULAS, GAUGES, INPUTS, KEEPS, SOFT_LIMITS = 1, 2, 4, 8, 16
 OUTPUT_STATUS_BYTES = 26
@@ -69,12 +72,35 @@ def test_an_emergency_stop_halts_all(tmp_path: Path, record_property: Callable[.
     assert latest <= (MOST_US if stop.timer else MOST_POLLED_US)
 
 
+@pytest.mark.parametrize("axes", [3, 4])
 def test_an_emergency_stop_at_a_pin_without_an_interrupt_waits_for_its_looks(
-    tmp_path: Path, record_property: Callable[..., None]
+    tmp_path: Path, record_property: Callable[..., None], axes: int
 ) -> None:
-    latest = Stop(Engine(MEGA, 4), 3, pin=30, pressed_ms=12).latest_us(tmp_path)
+    latest = Stop(Engine(MEGA, 4), axes, pin=30, pressed_ms=14).latest_us(tmp_path)
     record_property("latest_us", latest)
     assert MOST_US < latest <= MOST_LOOKED_US
+
+
+@pytest.mark.parametrize("input", ["setEmergencyStop(30)", "setEmergencyStop(2)", "setLowLimit(0, 30)"])
+@pytest.mark.parametrize("looks", [1, 4, 10])
+def test_what_is_active_as_begin_returns_lets_nothing_move(tmp_path: Path, input: str, looks: int) -> None:
+    """The first motion is asked for at once. Where the switch is open, it is granted."""
+    engine, ramps = Engine(MEGA, 4), image([RampDesign(1000, 20_000, 20_000)])
+    tell = (
+        "PORT.write(StepRamp.stoppedBy()); PORT.write(StepRamp.isAtLimit(0));"
+        "PORT.write(StepRamp.moveBy(0, -20)); PORT.write(StepRamp.isMoving());"
+    )
+    settings = f"StepRamp.setInputLooks({looks}); StepRamp.{input};"
+    source = source_of(engine, ramps, tell, UNTIL_REST, axes=1, settings=settings, pins=PINS)
+    pin = re.findall(r"\d+", input)[-1]
+    held = run(engine, source, tmp_path, "--press", f"{pin}:0-3000", busy=False)
+    assert list(held.sent) == ([BY_EMERGENCY_STOP, 0, STOPPED, 0] if "Stop" in input else [0, 1, AT_LIMIT, 0])
+    free = run(engine, source, tmp_path, busy=False)
+    assert list(free.sent) == [0, 0, 0, 1]
+    pulses = [
+        np.count_nonzero((edges["pin"] == PINS[0][0]) & (edges["value"] == 1)) for edges in (held.edges, free.edges)
+    ]
+    assert pulses == [0, 20]
 
 
 @pytest.mark.parametrize("board", [UNO, MEGA], ids=lambda board: board.name)
