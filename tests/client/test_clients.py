@@ -180,6 +180,38 @@ def test_a_run_is_held_to_its_end_and_never_renewed_as_it_ends(
 
 
 @pytest.mark.parametrize("refusal", [TooOften("Too often."), Overloaded("Too much.")])
+@pytest.mark.parametrize("for_s", [0.7, 1.2, 2.3, 2.9, 9.0])
+@pytest.mark.parametrize("times", [1, 2, 3, 100])
+def test_a_renewal_that_is_refused_for_now_is_asked_for_again_while_the_run_lasts(
+    monkeypatch: pytest.MonkeyPatch, refusal: StepRampError, for_s: float, times: int
+) -> None:
+    """It is told to have lasted only when it did."""
+    now_s, begun_s = [1000.0], 1000.0
+    monkeypatch.setattr(device_calls, "monotonic", lambda: now_s[0])
+    script = device_calls.run_for("1", 0, 400, for_s, stops=7)
+    with pytest.raises(type(refusal)):
+        next(script) and script.throw(refusal)
+    script = device_calls.run_for("1", 0, 400, for_s, stops=7)
+    step, held_until_s, refused = next(script), 0.0, 0
+    try:
+        while isinstance(step, Pause) or step.path.endswith("/run"):
+            if isinstance(step, Pause):
+                now_s[0] += step.pause_s
+                step = script.send(None)
+            elif held_until_s > 0 and refused < times:
+                refused += 1
+                step = script.throw(refusal)
+            else:
+                assert held_until_s == 0 or now_s[0] <= held_until_s, "what has slowed down isn't renewed"
+                held_until_s = now_s[0] + json.loads(step.body or b"")["for_s"]
+                step = script.send(SimpleNamespace())
+        assert held_until_s == pytest.approx(begun_s + for_s)
+    except type(refusal):
+        assert times == 100
+        assert now_s[0] <= held_until_s < begun_s + for_s
+
+
+@pytest.mark.parametrize("refusal", [TooOften("Too often."), Overloaded("Too much.")])
 def test_who_is_asked_too_much_is_asked_again_until_what_moves_rests(
     monkeypatch: pytest.MonkeyPatch, refusal: StepRampError
 ) -> None:

@@ -319,18 +319,23 @@ def run_for(
     begin_s = asked_s = monotonic()
     until_s, held_until_s = begin_s + for_s, None
     # What is left of the last renewal lasts to the end: one more might come as the axis slows down already.
-    while held_until_s is None or until_s - monotonic() > RENEWED_EVERY_S:
+    while held_until_s is None or held_until_s < until_s or until_s - monotonic() > RENEWED_EVERY_S:
         now_s = monotonic()
         _refuse_silence(now_s, asked_s, held_until_s)
         renews = None if held_until_s is None else True
-        asked_s, lasts_s = now_s, min(LEASE_S, max(until_s - now_s, 0.05))
+        lasts_s = min(LEASE_S, max(until_s - now_s, 0.05))
         lasts_to_the_end = lasts_s >= until_s - now_s
-        now: DeviceAnswer = yield run(device_id, axes=axes, for_s=lasts_s, name=name, renews=renews, stops=stops)
-        held_until_s = until_s if lasts_to_the_end else asked_s + lasts_s
+        try:
+            now: DeviceAnswer = yield run(device_id, axes=axes, for_s=lasts_s, name=name, renews=renews, stops=stops)
+        except (TooOften, Overloaded):
+            # What was granted goes on meanwhile, and may be renewed before it is over.
+            if held_until_s is None or monotonic() + ASKED_AGAIN_AFTER_S > held_until_s:
+                raise
+            yield Pause(ASKED_AGAIN_AFTER_S)
+            continue
+        asked_s, held_until_s = now_s, until_s if lasts_to_the_end else now_s + lasts_s
         tell(now)
         yield Pause(min(RENEWED_EVERY_S, max(0.0, until_s - monotonic())))
-    if held_until_s < until_s:
-        _refuse_silence(monotonic(), asked_s, held_until_s)
     yield Pause(max(0.0, until_s - monotonic()))
     return (yield from until_rest(device_id, tell=tell))
 
