@@ -36,6 +36,9 @@ struct settings &settings_now = stepramp_sketch_settings;
 /* Of poll(), at most: loop() has other things to do. */
 enum { MOST_ROUNDS = 2 };
 
+/* More than a tick of millis(): it is 1.024 ms at 16 MHz. */
+enum { LOOKS_APART_US = 1030 };
+
 bool has_begun;
 
 uint8_t bit_of(uint8_t axis)
@@ -74,21 +77,6 @@ void end_homing(uint8_t mask)
     }
 #else
     (void)mask;
-#endif
-}
-
-/* For as long as an input takes to change: what is active already counts before the first motion is asked for. It doesn't wait for
- * the clock, which stands still where interrupts are off. */
-void look_at_inputs()
-{
-#if HAS_INPUTS
-    if (has_inputs()) {
-        uint16_t now_ms = board_milliseconds();
-        for (uint8_t left = settings_now.looks; left != 0; left--) {
-            delayMicroseconds(1000);
-            WITH_INPUTS(machine_watch_inputs)(++now_ms);
-        }
-    }
 #endif
 }
 
@@ -199,7 +187,13 @@ bool StepRampClass::begin(const uint8_t *ramp, uint16_t length)
         return false;
     }
     machine_use(ramp, &settings_now);
-    look_at_inputs();
+#if HAS_INPUTS
+    /* For as long as an input takes to change: what is active already counts before the first motion is asked for. */
+    for (uint8_t left = has_inputs() ? (uint8_t)(settings_now.looks + 1) : 0; left != 0; left--) {
+        delayMicroseconds(LOOKS_APART_US);
+        poll();
+    }
+#endif
     return true;
 }
 

@@ -75,7 +75,7 @@ public:
     /* ---- inputs: before begin(). Nine at most, each at a pin of its own and for one thing. A sketch that calls none of these has nothing of them in it ---- */
 
     /* No step after it, until it is released and acknowledged. Six at most. Where a timer makes the steps, the pin's own interrupt stops
-     * them; returns false when the pin has none, or no timer does: then poll() has to see it. With a timer that is in some 5 ms, 12 at most
+     * them; returns false when the pin has none, or no timer does: then poll() has to see it. With a timer that is in some 5 ms, 15 at most
      * where poll() is called all the time, and a press has to last as long: in so many looks as setInputLooks() says, 1 ms or a round apart.
      * Inputs are watched from when the first begin() returns: what is active then keeps motors from moving, what was pressed and let go of
      * before is not remembered. */

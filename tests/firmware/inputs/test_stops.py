@@ -109,6 +109,24 @@ def test_no_input_becomes_an_emergency_stop_that_is_active_already(
     assert machine.inputs().stopped_by == 0
 
 
+@pytest.mark.parametrize("looks", [1, 4, 10])
+def test_the_next_request_goes_by_the_new_role_of_what_is_active(machine: Machine, looks: int) -> None:
+    machine.give(InputSettings(looks=looks, roles={}))
+    machine.pull_down(LOW_INPUT)
+    machine.pass_ms(20)
+    machine.ok(p.MOVE_BY, for_axes({0: -10}))
+    machine.go_to_rest()
+    there = machine.steps()
+    machine.give(InputSettings(looks=looks, roles={LOW_INPUT: p.LOW_LIMIT}))
+    assert machine.refused(p.MOVE_BY, for_axes({0: -10})) == (p.AT_LIMIT, LOW_INPUT << 8)
+    machine.go_on_ms(100)
+    assert machine.steps() == there
+    # Without its role it is free at once, too.
+    machine.give(InputSettings(looks=looks, roles={}))
+    machine.ok(p.MOVE_BY, for_axes({0: -10}))
+    machine.go_to_rest()
+
+
 def test_all_but_its_level_may_be_set_of_what_has_been_an_emergency_stop(machine: Machine) -> None:
     machine.give(InputSettings(looks=7, roles=ROLES))
     machine.pull_down(FAULT_INPUT)

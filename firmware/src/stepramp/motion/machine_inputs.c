@@ -232,18 +232,18 @@ bool machine_is_in_emergency(void)
 
 uint8_t machine_new_stop(const uint8_t before[INPUTS], const uint8_t roles[INPUTS])
 {
-    uint16_t stays_active = (1u << EMERGENCY_INPUTS) - 1;
+    uint16_t stays_active = (1u << INPUTS) - 1;
     for (uint8_t left = LOOKS_AT_NEW_ROLES; left != 0; left--) {
         stays_active &= inputs_read();
     }
-    uint8_t input = 0;
-    for (; input < EMERGENCY_INPUTS; input++) {
+    for (uint8_t input = 0; input < EMERGENCY_INPUTS; input++) {
         bool is_stop = (roles[input] & ROLE_BITS) == ROLE_EMERGENCY_STOP;
         if ((stays_active >> input & 1) != 0 && is_stop && roles[input] != before[input]) {
-            break;
+            return input;
         }
     }
-    return input;
+    active = stays_active; /* so that the next request, too, goes by the new roles */
+    return EMERGENCY_INPUTS;
 }
 
 /* What nobody has been told yet nobody acknowledges. */
