@@ -20,7 +20,7 @@ import { factorOf, shownEntry, unitOf } from './shown_entry.js';
 /** @typedef {{axis: number, name: string, revisions: {design_id: string, name: string, number: number}[]}} PushedAxis */
 /** @typedef {{id: string, device_id: string, device: string, pushed_at: string, client: string | null, mode: string,
  *   trouble: string | null, verified: boolean | null, backup: string | null, axes: PushedAxis[]}} PushTold */
-/** @typedef {{designs: number, revisions: number, devices: number, pushes: number, records: number, there_already: number,
+/** @typedef {{designs: number, revisions: number, devices: number, pushes: number, records: number, there_already: number, described: number,
  *   copies: string[]}} Imported */
 
 /** Which revision of which design an axis was opened from, or saved as: design is what the axis was then.
@@ -126,7 +126,7 @@ export function pushedText(axes) {
 
 /** What a file has added.
  * @param {Imported} imported */
-export function importedText({ designs, revisions, devices, pushes, records, there_already: known, copies }) {
+export function importedText({ designs, revisions, devices, pushes, records, there_already: known, described, copies }) {
   const added = /** @type {[number, string, string?][]} */ ([
     [designs, 'design'],
     [revisions, 'revision'],
@@ -134,10 +134,11 @@ export function importedText({ designs, revisions, devices, pushes, records, the
     [pushes, 'push', 'pushes'],
     [devices, 'device'],
   ]).filter(([count]) => count > 0);
-  const first = added.length === 0 ? 'Nothing was added.' : `Added: ${added.map(([count, one, several]) => counted(count, one, several)).join(', ')}.`;
+  const first = added.length === 0 ? (described > 0 ? '' : 'Nothing was added.') : `Added: ${added.map(([count, one, several]) => counted(count, one, several)).join(', ')}.`;
+  const said = described > 0 ? ` More is said of ${counted(described, 'design')} that the library had.` : '';
   const there = known > 0 ? ` There already: ${formatFixed(known)}.` : '';
   const beside = copies.length > 0 ? ` Beside what the library has under the same name, as it differs: ${copies.map(quoted).join(', ')}.` : '';
-  return first + there + beside;
+  return (first + said + there + beside).trim();
 }
 
 /** Which revisions were drawn into the plots, and which had to give way to them.

@@ -118,8 +118,12 @@ def test_what_was_pushed_is_told_by_the_revision_that_is_the_same(modules: Modul
 
 
 def test_what_a_file_has_added_is_told(modules: Modules) -> None:
-    none = {"designs": 0, "revisions": 0, "devices": 0, "pushes": 0, "records": 0, "there_already": 12, "copies": []}
+    none = {"designs": 0, "revisions": 0, "devices": 0, "pushes": 0, "records": 0}
+    none |= {"there_already": 12, "described": 0, "copies": []}
     assert modules.call(MODULE, "importedText", none) == "Nothing was added. There already: 12."
+    said = {**none, "described": 2}
+    more = "More is said of 2 designs that the library had."
+    assert modules.call(MODULE, "importedText", said) == f"{more} There already: 12."
     some = {**none, "designs": 1, "revisions": 3, "pushes": 1, "there_already": 0, "copies": ["Lift"]}
     assert modules.call(MODULE, "importedText", some) == (
         "Added: 1 design, 3 revisions, 1 push. Beside what the library has under the same name, as it differs: “Lift”."

@@ -180,6 +180,24 @@ def test_records_are_kept_with_their_design(client: TestClient) -> None:
     error_of(client.get(f"{place}/none"), 404)
 
 
+@pytest.mark.parametrize(
+    ("content", "allowed"),
+    [
+        ('{"a": [NaN]}', "a document whose numbers are finite"),
+        ('{"a": -Infinity}', "a document whose numbers are finite"),
+        ('{"a": {"b": 1e999}}', "a document whose numbers are finite"),
+        ('{"a": ' + "[" * 300 + "]" * 300 + "}", "a document of up to 32 levels"),
+    ],
+)
+def test_a_record_that_could_not_be_told_back_is_refused(client: TestClient, content: str, allowed: str) -> None:
+    kept = ok(client.post(f"{LIBRARY}/designs", json={"design": document()}))
+    body = f'{{"revision": 1, "kind": "trace", "document": {content}}}'
+    place = f"{LIBRARY}/designs/{kept['id']}/records"
+    error = error_of(client.post(place, content=body, headers={"content-type": "application/json"}), 422)
+    assert (error["field"], error["allowed"]) == ("document", allowed)
+    assert ok(client.get(place)) == {"records": []}
+
+
 def test_a_file_that_is_given_up_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     begun, may_go_on = threading.Event(), threading.Event()
@@ -231,7 +249,8 @@ def test_the_library_as_a_file_and_back(
     assert list((tmp_path / "temporary").iterdir()) == []
     assert 'filename="stepramp-library.jsonl"' in told.headers["content-disposition"]
     assert ok(client.post(f"{LIBRARY}/import", content=told.content, headers=TYPE)) == {
-        "designs": 0, "revisions": 0, "devices": 0, "pushes": 0, "records": 0, "there_already": 3, "copies": [],
+        "designs": 0, "revisions": 0, "devices": 0, "pushes": 0, "records": 0,
+        "there_already": 3, "described": 0, "copies": [],
     }  # fmt: skip
     half = client.post(f"{LIBRARY}/import", content=told.content[:-100], headers=TYPE)
     error = error_of(half, 422)

@@ -87,6 +87,38 @@ def test_a_design_gets_the_revisions_that_follow_those_it_has(filled: Place, emp
     assert empty.library.get(lift.id)[0] == told
 
 
+def test_what_two_libraries_say_of_a_design_is_joined(filled: Place, empty: Place) -> None:
+    empty.whole.add(filled.file())
+    [lift] = filled.library.search("lift")[1]
+    empty.library.describe(lift.id, lift.version, About("Lift of the gate", "of Größe 7\nquiet", ["a", "gate"]))
+    filled.library.save(lift.id, lift.version, design(move__steps=7))
+    assert filled.whole.add(empty.file()) == Imported(described=1, there_already=6)
+    told = filled.library.get(lift.id)[0]
+    assert (told.name, told.notes, told.tags) == ("Lift", "of Größe 7\nquiet", ["b", "a", "gate"])
+    assert (told.version, told.revisions) == (lift.version + 2, 3)
+    assert filled.library.search("gate")[0] == 1
+    assert empty.whole.add(filled.file()) == Imported(revisions=1, described=1, there_already=5)
+    again = empty.library.get(lift.id)[0]
+    assert (again.name, again.notes, sorted(again.tags)) == (told.name, told.notes, sorted(told.tags))
+    assert filled.whole.add(empty.file()).described == 0
+
+
+def test_notes_that_differ_are_both_kept(filled: Place, empty: Place) -> None:
+    empty.whole.add(filled.file())
+    [lift] = filled.library.search("lift")[1]
+    filled.library.describe(lift.id, lift.version, About("Lift", "ours"))
+    theirs = empty.library.describe(lift.id, lift.version, About("Lifter", "theirs"))
+    filled.whole.add(empty.file())
+    told = filled.library.get(lift.id)[0]
+    assert (told.name, told.notes, told.tags) == ("Lifter", "ours\n\ntheirs", [])
+    empty.whole.add(filled.file())
+    assert empty.library.get(lift.id)[0].notes == told.notes
+    empty.library.describe(lift.id, theirs.version + 1, About("Lifter", "n" * 19_990))
+    with pytest.raises(Rejected, match=r"design.notes is 'n.*; allowed: with those that the library has, up to 20,000"):
+        filled.whole.add(empty.file())
+    assert filled.library.get(lift.id)[0] == told
+
+
 def test_a_design_that_went_another_way_is_added_beside(filled: Place, empty: Place) -> None:
     empty.whole.add(filled.file())
     [lift] = filled.library.search("lift")[1]

@@ -1,15 +1,19 @@
 """What the routes over the library take and answer."""
 
+import math
 import unicodedata
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
 from stepramp.design import Design
+from stepramp.errors import Count
 from stepramp.http_api.answer import Answer
 from stepramp.validation import Document, ListOf, Text, Within, refuse
 
 A_NAME = "a name that can be read"
+DEEPEST = 32
+"""Levels of objects and lists in each other: what StepRamp answers has five at most."""
 
 
 def _refuse_control(field: str, text: str, but: str = "", but_words: str = "") -> str:
@@ -39,6 +43,21 @@ def _name(text: str, field: str = "") -> str:
 
 def _name_or_none(text: str) -> str:
     return _name(text) if text else text
+
+
+def _measured(document: dict[str, Any]) -> dict[str, Any]:
+    """Return a document that can be told back as it came."""
+    level: list[object] = [document]
+    for _ in range(DEEPEST):
+        below: list[object] = []
+        for each in level:
+            below.extend(each.values() if isinstance(each, dict) else each if isinstance(each, list) else ())
+            if isinstance(each, float) and not math.isfinite(each):
+                refuse("", each, "a document whose numbers are finite")
+        level = below
+    if level:
+        refuse("", Count("one nested more deeply"), f"a document of up to {DEEPEST} levels")
+    return document
 
 
 Name = Annotated[str, Text(100), AfterValidator(_name)]
@@ -161,7 +180,9 @@ class RecordPayload(Document):
     revision: Annotated[int, Within(1, 2**31 - 1)] = Field(description="Of the design, counted from 1")
     kind: Literal["trace", "capture", "stall_map"] = Field(description="What it is")
     note: Note = Field("", description="What is to be known of it")
-    document: dict[str, Any] = Field(description="As it was answered when it was measured or computed")
+    document: Annotated[dict[str, Any], AfterValidator(_measured)] = Field(
+        description="As it was answered when it was measured or computed"
+    )
 
 
 class RecordAnswer(Answer):
@@ -195,6 +216,7 @@ class ImportedAnswer(Answer):
     pushes: int = Field(description="Pushes that were added")
     records: int = Field(description="Traces, captures and stall maps that were added")
     there_already: int = Field(description="Of all these, what the library had already")
+    described: int = Field(description="Designs that were there and got more notes or tags from it, or a later name")
     copies: list[str] = Field(
         description="Names of designs that the library has otherwise: those of the file were added beside them"
     )

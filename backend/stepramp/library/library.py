@@ -85,9 +85,7 @@ class Library:
         """
         with self._database.writing() as connection:
             _count_change(connection, design_id, version)
-            connection.execute(update(DESIGNS).where(DESIGNS.c.id == design_id).values(_columns(about)))
-            connection.execute(delete(TAGS).where(TAGS.c.design_id == design_id))
-            _add_tags(connection, design_id, about.tags)
+            change_about(connection, design_id, about)
             return kept_of(connection, design_id)
 
     def duplicate(self, design_id: str, name: str) -> Kept:
@@ -132,6 +130,13 @@ class Library:
 def add_design(connection: Connection, design_id: str, about: About, version: int, saved_at: str) -> None:
     """Keep what is said of a design that has no revision yet."""
     connection.execute(insert(DESIGNS).values(id=design_id, version=version, saved_at=saved_at, **_columns(about)))
+    _add_tags(connection, design_id, about.tags)
+
+
+def change_about(connection: Connection, design_id: str, about: About) -> None:
+    """Keep what is said of a design by now; the change is counted by who makes it."""
+    connection.execute(update(DESIGNS).where(DESIGNS.c.id == design_id).values(_columns(about)))
+    connection.execute(delete(TAGS).where(TAGS.c.design_id == design_id))
     _add_tags(connection, design_id, about.tags)
 
 

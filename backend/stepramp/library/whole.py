@@ -14,11 +14,13 @@ from sqlalchemy import Connection, RowMapping, Table, insert, select, update
 
 from stepramp.errors import Rejected, Rejection
 from stepramp.library.database import Database
-from stepramp.library.library import About, add_design
+from stepramp.library.library import About, Kept, add_design, change_about, kept_of
 from stepramp.library.schema import DESIGNS, DEVICES, PUSHED_AXES, PUSHES, RECORDS, REVISIONS, TAGS
 from stepramp.library.texts import as_text, hash_of, now
 from stepramp.library.whole_lines import (
     FORMAT,
+    MOST_NOTES,
+    MOST_TAGS,
     VERSION,
     DesignLine,
     DeviceLine,
@@ -44,6 +46,8 @@ class Imported:
     pushes: int = 0
     records: int = 0
     there_already: int = 0
+    described: int = 0
+    """Designs that were there, of which the file says more, or has a later name."""
     copies: list[str] = field(default_factory=list)
     """Names of designs that differ from what the library has of them, and were added beside those."""
 
@@ -68,8 +72,9 @@ class Whole:
     def add(self, content: bytes) -> Imported:
         """Add what a file has and the library hasn't: all of it, or nothing.
 
-        A design that is there gets the revisions that follow those it has; where it has other ones, that of the file is
-        added as a design of its own. Raises Rejected, naming the line, for a file that isn't whole or not such a one.
+        A design that is there gets the revisions that follow those it has, and what the file says of it beyond what is
+        said there; where it has other revisions, that of the file is added as a design of its own. Raises Rejected,
+        naming the line, for a file that isn't whole or not such a one, and for notes or tags that are too many.
         """
         lines = whole_lines(content)
         with self._database.writing() as connection:
@@ -163,6 +168,7 @@ class _Import:
         elif there[: len(given)] == given:
             self._called[design.id] = design.id
             self._made.there_already += 1
+            self._describe(design, design.id)
         else:
             # The same file once more finds the copy.
             copy = hash_of(as_text([design.id, given]))[:32]
@@ -183,16 +189,30 @@ class _Import:
             about = About(design.name, design.notes, design.tags)
             add_design(self._connection, called, about, design.version, design.saved_at)
             self._made.designs += 1
-        elif more:
-            count = update(DESIGNS).where(DESIGNS.c.id == called)
-            self._connection.execute(count.values(version=DESIGNS.c.version + len(more), saved_at=now()))
         else:
+            self._describe(design, called)
+        if there and more:
+            self._count(called, len(more))
+        elif there:
             self._made.there_already += 1
         for each in more:
             row = {"design_id": called, "number": each.number, "note": each.note, "saved_at": each.saved_at}
             content = as_text(each.design)
             self._connection.execute(insert(REVISIONS).values(**row, content=content, content_hash=hash_of(content)))
         self._made.revisions += len(more)
+
+    def _describe(self, design: DesignLine, called: str) -> None:
+        """Add to what is said of a design that is there."""
+        present = kept_of(self._connection, called)
+        said = _joined(present, design)
+        if said != About(present.name, present.notes, present.tags):
+            change_about(self._connection, called, said)
+            self._count(called, 1)
+            self._made.described += 1
+
+    def _count(self, called: str, changes: int) -> None:
+        count = update(DESIGNS).where(DESIGNS.c.id == called)
+        self._connection.execute(count.values(version=DESIGNS.c.version + changes, saved_at=now()))
 
     def _add_device(self, line: DeviceLine) -> None:
         there = self._row(DEVICES, line.id)
@@ -238,6 +258,23 @@ class _Import:
 
     def _row(self, table: Table, called: str) -> RowMapping | None:
         return self._connection.execute(select(table).where(table.c.id == called)).mappings().one_or_none()
+
+
+def _joined(present: Kept, given: DesignLine) -> About:
+    """Return what two libraries say of a design: the later name, the notes of both, the tags of either.
+
+    Raises Rejected where that is more than a file can have.
+    """
+    notes = next(
+        (one for one, other in ((present.notes, given.notes), (given.notes, present.notes)) if other in one),
+        f"{present.notes}\n\n{given.notes}",
+    )
+    tags = list(dict.fromkeys([*present.tags, *given.tags]))
+    for name, length, most in (("notes", len(notes), MOST_NOTES), ("tags", len(tags), MOST_TAGS)):
+        if length > most:
+            allowed = f"with those that the library has, up to {most:,}, not {length:,}"
+            raise _stray(f"design.{name}", getattr(given, name), allowed)
+    return About(given.name if given.saved_at > present.saved_at else present.name, notes, tags)
 
 
 def _stray(field: str, value: object, allowed: str) -> Rejected:

@@ -19,6 +19,9 @@ FORMAT = "stepramp_library"
 VERSION = 1
 MORE_VALUES = 100
 """Around a document its line has so many more at most."""
+MOST_NOTES = 20_000
+"""[characters]"""
+MOST_TAGS = 30
 MOST_NUMBER = 2**31 - 1
 """What databases can count."""
 MOST_VERSION = 2_000_000_000
@@ -63,10 +66,10 @@ class DesignLine(Document):
 
     id: Id
     name: Name
-    notes: Words
+    notes: Annotated[str, Text(MOST_NOTES), AfterValidator(_text)]
     version: Annotated[int, Within(1, MOST_VERSION)]
     saved_at: Time
-    tags: Annotated[list[Name], ListOf("tags", most=30)]
+    tags: Annotated[list[Name], ListOf("tags", most=MOST_TAGS)]
 
 
 class RevisionLine(Document):
