@@ -359,6 +359,8 @@ def test_who_asked_what_is_kept(tmp_path: Path) -> None:
         server.post(f"{route}/move", json={"by_steps": 7}, headers=LOOKS_ON)
         server.post(f"{DEVICES}/stop", headers=LOOKS_ON)
         server.post("/api/v1/profile", json={"design": document()}, headers=LOOKS_ON)
+        for _ in range(2):
+            server.post(f"{route}/move", json={"by_steps": 3}, headers={**OPERATES, "Idempotency-Key": "one"})
     [file] = (tmp_path / "audit").iterdir()
     lines = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
     assert [(line["asked"], line["role"], line["status"]) for line in lines] == [
@@ -367,7 +369,12 @@ def test_who_asked_what_is_kept(tmp_path: Path) -> None:
         (f"POST {route}/move", "operate", 200),
         (f"POST {route}/move", "view", 403),
         (f"POST {DEVICES}/stop", "view", 200),
+        (f"POST {route}/move", "operate", 200),
+        (f"POST {route}/move", "operate", 200),
     ]
+    # It is written as it is answered, which may be long after it was asked for.
+    assert all(line["asked_at"] <= line["at"] for line in lines)
+    assert [line.get("repeats", False) for line in lines[-2:]] == [False, True]
     assert lines[1]["body"]["design"]["name"] == "Zed ⚙"
     assert (lines[2]["body"], lines[2]["page"], lines[2]["client"]) == ({"by_steps": 7}, "p", "testclient")
 

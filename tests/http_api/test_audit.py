@@ -69,6 +69,20 @@ def asked(tmp_path: Path) -> Asked:
     return Asked(tmp_path / "audit")
 
 
+def test_a_line_that_a_full_disk_has_cut_off_takes_no_other_with_it(asked: Asked) -> None:
+    asked.post(b"")
+    asked.log.close()
+    [file] = asked.folder.glob("*.jsonl")
+    whole = file.read_bytes()
+    for there, lines in ((b"", 1), (whole, 2), (whole + b'{"at": "20', 3), (b"x", 2)):
+        file.write_bytes(there)
+        again = Asked(asked.folder)
+        again.post(b"")
+        again.log.close()
+        *_, last = file.read_text().splitlines()
+        assert (len(file.read_text().splitlines()), json.loads(last)["status"]) == (lines, 200)
+
+
 @pytest.mark.parametrize(
     "body",
     [b'["\\ud800"]', b"[" * 1000, b"[" * 900 + b"]" * 900, b"[" * 4000, b'{"a": 1, "a": 2}', b"\xff", b"1" * 4001],

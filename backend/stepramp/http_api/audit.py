@@ -24,6 +24,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from stepramp.errors import Rejected
 from stepramp.http_api.door import is_stop
+from stepramp.http_api.idempotency import REPLAYED_HEADER
 from stepramp.http_api.sign_in import acts, client_of
 from stepramp.json_text import parsed_json
 
@@ -178,14 +179,26 @@ class AuditLog:
         """Write lines; they are logged, and lost, where that can't be done. told_lost: of how many they tell that."""
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
-            descriptor = _opened(self._folder / f"{month}.jsonl")
-            with os.fdopen(descriptor, "a", encoding="utf-8", errors="backslashreplace") as file:
+            path = self._folder / f"{month}.jsonl"
+            is_cut = _is_cut_off(path)
+            with os.fdopen(_opened(path), "a", encoding="utf-8", errors="backslashreplace") as file:
+                if is_cut:
+                    file.write("\n")
                 file.writelines(f"{text}\n" for text in texts)
                 file.flush()
                 os.fsync(file.fileno())
         except OSError:
             self._lose(told_lost or len(texts))
             _logger.exception("The audit log can't be written; what was asked: %s", "\n".join(texts))
+
+
+def _is_cut_off(path: Path) -> bool:
+    """Return whether a file's last line was cut off, as by a disk without room: the next one begins behind it."""
+    try:
+        with path.open("rb") as file:
+            return file.seek(0, os.SEEK_END) > 0 and file.seek(-1, os.SEEK_END) >= 0 and file.read() != b"\n"
+    except FileNotFoundError:
+        return False
 
 
 def _opened(path: Path) -> int:
@@ -213,7 +226,8 @@ class Audited:
             await self._app(scope, receive, send)
             return
         status: int | None = None
-        body = _Body(self._log)
+        repeats: dict[str, object] = {}
+        body, asked_at = _Body(self._log), _now()
 
         async def heard() -> Message:
             message = await receive()
@@ -224,16 +238,17 @@ class Audited:
             return message
 
         async def told(message: Message) -> None:
-            nonlocal status
+            nonlocal status, repeats
             if message["type"] in ("http.response.start", "websocket.http.response.start"):
                 status = message["status"]
+                repeats = {"repeats": True} if REPLAYED_HEADER in Headers(raw=message.get("headers", [])) else {}
             await send(message)
 
         try:
             await self._app(scope, heard, told)
         finally:
             if scope["type"] == "http" and client_of(scope) is not None:
-                self._log.note({**_about(scope), "status": status}, body)
+                self._log.note({"asked_at": asked_at, **_about(scope), "status": status, **repeats}, body)
             else:
                 body.let_go()
 
