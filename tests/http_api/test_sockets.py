@@ -95,6 +95,17 @@ def test_a_long_message_of_a_jog_is_refused_unread(client: TestClient, jog: str)
         assert error["allowed"].endswith("of up to 1,024 characters")
 
 
+def test_so_many_speeds_wait_for_the_controller_at_most(
+    client: TestClient, jog: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As of a program that asks for one after the other without waiting: others want their turns."""
+    monkeypatch.setattr("stepramp.http_api.jog.MOST_BEGINNING", 0)
+    with opened(client, jog) as socket:
+        socket.send_json({"do": "run", "axis": 0, "speed_steps_per_s": 400})
+        [error] = socket.receive_json()["errors"]
+    assert "speeds wait for the controller already" in error["message"]
+
+
 def test_a_message_without_sense_ends_the_jog(client: TestClient, jog: str) -> None:
     with opened(client, EVENTS) as events, opened(client, jog) as socket:
         socket.send_json({"do": "run", "axis": 0, "speed_steps_per_s": 400})

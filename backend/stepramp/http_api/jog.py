@@ -10,7 +10,7 @@ from fastapi import APIRouter, WebSocket
 from stepramp.devices.device import Device
 from stepramp.devices.leases import JOG_S, Lease
 from stepramp.devices.stops import Order
-from stepramp.errors import Refused, Rejected, Rejection, StepRampError
+from stepramp.errors import Refused, Rejected, Rejection, StepRampError, TooOften
 from stepramp.http_api.device_registry import Registry, page_at
 from stepramp.http_api.jog_models import JogPayload
 from stepramp.http_api.lanes import ACTING
@@ -20,6 +20,9 @@ from stepramp.http_api.sockets import accept, parsed, received, served, tell_err
 ALLOWED = 'a JSON object such as {"do": "hold"}'
 RAN_OUT = f"The jog ended: it was not told to go on for {JOG_S:g} s, and the axis slowed down. Begin it again."
 TAKEN = "The jog ended: its page is no longer in control of the device, and the axis slowed down."
+MOST_BEGINNING = 100
+"""So many speeds of one socket may wait for the controller: no hand is as quick, and others want their turns."""
+TOO_MANY = f"The jog ended: {MOST_BEGINNING} speeds wait for the controller already. Ask for the next once it has one."
 LONGEST_MESSAGE = 1024
 """Longer ones are refused unread: whoever is held up by them can't renew a lease."""
 
@@ -76,6 +79,9 @@ class _Held:
         if request.do == "run" and self._lease is not None and not self._lease.holds:
             # It was to get another speed, not to begin: what has slowed down is not set in motion by that.
             await self._hold(self._lease)
+        elif request.do == "run" and len(self._beginning) == MOST_BEGINNING:
+            self.let_go()
+            await tell_error(self._socket, TooOften(TOO_MANY))
         elif request.do == "run":
             before, self._lease = self._lease, Lease({request.axis: request.command.value}, JOG_S, self._page)
             task = asyncio.create_task(self._begin(self._lease, before, request, request_number))
