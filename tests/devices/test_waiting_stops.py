@@ -59,18 +59,34 @@ def test_stops_that_wait_are_granted_together(device: Device, controller: SlowTo
     assert controller.asked == ["stop None"] * 2
 
 
-def test_a_stop_that_was_refused_grants_no_other(device: Device, controller: SlowToStop) -> None:
+def test_stops_that_wait_are_refused_together_and_keep_no_halt_waiting(device: Device, controller: SlowToStop) -> None:
+    """As by a Marlin that heats: it takes seconds for each refusal."""
     controller.refusals = 2
     first = device.stop()
     assert controller.begun.wait(PATIENCE_S)
-    rest = [device.stop() for _ in range(3)]
+    rest, halt = [device.stop() for _ in range(8)], device.halt()
     controller.goes_on.set()
-    for stop in (first, rest[0]):
+    for stop in (first, *rest):
+        with pytest.raises(Refused, match="It moves on"):
+            stop.result(PATIENCE_S)
+    halt.result(PATIENCE_S)
+    assert controller.asked == ["stop None", "stop None", "halt None"]
+    # Who asks once more is not answered by that.
+    device.stop().result(PATIENCE_S)
+    assert controller.asked == ["stop None", "stop None", "halt None", "stop None"]
+
+
+def test_a_stop_that_was_refused_grants_none_of_one_axis(device: Device, controller: SlowToStop) -> None:
+    controller.refusals = 2
+    first = device.stop()
+    assert controller.begun.wait(PATIENCE_S)
+    rest, of_one = [device.stop() for _ in range(2)], device.stop([0])
+    controller.goes_on.set()
+    for stop in (first, *rest):
         with pytest.raises(Refused):
             stop.result(PATIENCE_S)
-    for stop in rest[1:]:
-        stop.result(PATIENCE_S)
-    assert controller.asked == ["stop None"] * 3
+    of_one.result(PATIENCE_S)
+    assert controller.asked == ["stop None", "stop None", "stop [0]"]
 
 
 def test_a_stop_of_one_axis_grants_none_of_all(device: Device, controller: SlowToStop) -> None:

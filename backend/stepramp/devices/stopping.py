@@ -63,8 +63,8 @@ class Stopping:
         self._permit = permit
         self._owed = owed
         self._known = known
-        self._begun_s: dict[Send, float] = {}
-        """When the last stop, and halt, of all axes began that was granted."""
+        self._last: dict[Send, tuple[float, str | None]] = {}
+        """When the last stop, and halt, of all axes began that was answered, and why it was refused if it was."""
         self._heard_of_others = 0
         """How many stops of somebody else are heeded, of those that the present controller has told."""
         self._refused: int | None = None
@@ -123,7 +123,7 @@ class Stopping:
         known: its port, and what is plugged in there now.
         """
         self._known = known
-        self._begun_s.clear()
+        self._last.clear()
         self._refused = None
         self._heard_of_others = controller.stops_of_others()
         self._contact.greet(controller)
@@ -210,13 +210,23 @@ class Stopping:
             self._watch.is_view_old = True
 
     def _send(self, axes: Collection[int] | None, send: Send, turn: _Turn | None) -> None:
-        """Tell the controller, unless all was stopped while it waited for its turn: nothing has set out since.
+        """Tell the controller, unless it was told to stop all while this waited for its turn: that answers it, too.
 
-        Some controllers take seconds for a stop; however many ask for one, nobody waits for more than two.
+        When it was granted, nothing has set out since. Some controllers take seconds for a stop, also to refuse it, as
+        a Marlin that heats; however many ask for one, nobody waits for more than two. Raises what it raised.
         """
+        last_s, why_not = self._last.get(send, (-inf, None))
+        if turn is not None and turn.waits_since_s < last_s:
+            if why_not is None:
+                return
+            if axes is None:
+                raise Refused(why_not)
         begun_s = monotonic()
-        if turn is not None and turn.waits_since_s < self._begun_s.get(send, -inf):
-            return
-        send(axes)
+        try:
+            send(axes)
+        except Refused as error:
+            if axes is None:
+                self._last[send] = begun_s, str(error)
+            raise
         if axes is None:
-            self._begun_s[send] = begun_s
+            self._last[send] = begun_s, None
