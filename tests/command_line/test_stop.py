@@ -40,6 +40,7 @@ SLOW = {
         ("--device 2 now", Asked(not_understood=["now"])),
         ("--device 2 --axis 9", Asked(not_understood=["--axis 9"])),
         ("--axis 1", Asked(not_understood=["--axis without --device"])),
+        ("--device=", Asked(not_understood=["--device without a value"])),
         ("--device", Asked(not_understood=["--device"])),
     ],
 )

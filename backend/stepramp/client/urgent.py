@@ -5,16 +5,21 @@ Only what Python itself has is loaded here: it goes out before anything else wou
 
 import http.client
 import json
+import socket
 import ssl
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from time import monotonic, sleep
 from urllib.parse import quote, urlsplit
 
 from stepramp.client.servers import Server
 from stepramp.errors import NoServer
 
-ANSWER_WITHIN_S = 2.0
-"""So long an answer is waited for; then it is asked again, over another connection [s]."""
+ANSWER_WITHIN_S = 4.0
+"""So long an answer is waited for; then it is asked again, over another connection [s].
+
+A Marlin that heats, or a Klipper that prints, is asked by its server for up to 2.5 s before that answers."""
+LONGEST_ANSWER_S = 32.0
+"""Each time it is waited for twice as long, up to this: many stops may wait for one port, each in its turn."""
 PAUSE_S = 0.1
 
 
@@ -24,10 +29,15 @@ def stop_path(device: str | None, *, halt: bool = False) -> str:
 
 
 def ask_to_stop(
-    server: Server, device: str | None = None, axes: Sequence[int] | None = None, *, halt: bool = False
+    server: Server,
+    device: str | None = None,
+    axes: Sequence[int] | None = None,
+    *,
+    halt: bool = False,
+    within_s: float = ANSWER_WITHIN_S,
 ) -> tuple[int, bytes]:
     """Ask a server once; return the status and the content of its answer. Raises OSError or HTTPException without."""
-    connection = _connection(server)
+    connection = _connection(server, within_s)
     body = None if axes is None else json.dumps({"axes": list(axes)})
     headers = {} if server.token is None else {"authorization": f"Bearer {server.token}"}
     if body is not None:
@@ -47,28 +57,36 @@ def stop_until_answered(
     *,
     halt: bool = False,
     within_s: float | None = None,
+    tell: Callable[[str], None] = lambda _: None,
 ) -> tuple[int, bytes]:
     """Ask a server until it answers; return status and content. within_s: how long; None: for ever [s].
 
+    tell: hears each time why it can't be asked at all, as for a name that nobody knows, or a certificate that isn't
+    trusted; silence isn't told.
+
     Raises NoServer once that time is over, and at once where nothing listens.
     """
-    begin_s = monotonic()
+    begin_s, answer_within_s = monotonic(), ANSWER_WITHIN_S
     while True:
         try:
-            return ask_to_stop(server, device, axes, halt=halt)
+            return ask_to_stop(server, device, axes, halt=halt, within_s=answer_within_s)
         except ConnectionRefusedError:
             raise NoServer(f"No server answers at {server.url}.") from None
         except (OSError, http.client.HTTPException) as error:
             if within_s is not None and monotonic() - begin_s > within_s:
                 raise NoServer(f"The server at {server.url} has not answered: {error}.") from None
+            if isinstance(error, (socket.gaierror, ssl.SSLError)):
+                tell(error.strerror or str(error))
+            if isinstance(error, TimeoutError):
+                answer_within_s = min(2 * answer_within_s, LONGEST_ANSWER_S)
         sleep(PAUSE_S)
 
 
-def _connection(server: Server) -> http.client.HTTPConnection:
+def _connection(server: Server, within_s: float) -> http.client.HTTPConnection:
     host, port = server.place
     if not server.url.startswith("https:"):
-        return http.client.HTTPConnection(host, port, timeout=ANSWER_WITHIN_S)
-    return http.client.HTTPSConnection(host, port, timeout=ANSWER_WITHIN_S, context=tls_of(server))
+        return http.client.HTTPConnection(host, port, timeout=within_s)
+    return http.client.HTTPSConnection(host, port, timeout=within_s, context=tls_of(server))
 
 
 def tls_of(server: Server) -> ssl.SSLContext:

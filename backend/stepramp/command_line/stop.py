@@ -13,7 +13,7 @@ from time import monotonic
 from typing import Any
 
 from stepramp.client.servers import Server, named, running
-from stepramp.client.urgent import ask_to_stop, stop_until_answered
+from stepramp.client.urgent import stop_until_answered
 from stepramp.command_line.exit_codes import FAILED, INTERRUPTED, NOBODY_THERE, OK, WRONG_INPUT
 from stepramp.command_line.visible import visible
 from stepramp.errors import NoServer, Rejected, StepRampError
@@ -23,6 +23,8 @@ HALT = "--halt"
 USUAL_FAMILY = "stepramp"
 STOP_BYTES = b"\x00\xff\xff\x00"
 """A stop of all axes outside of all frames: docs/serial_protocol.md, Stop and halt."""
+VIRTUAL = "sim:"
+OK_STATUS, UNAUTHORIZED, LOST_STATUS = 200, 401, 502
 SILENT_S = 2.5
 """After so long it is told that it is still asked [s]."""
 
@@ -52,6 +54,9 @@ def asked_by(words: Sequence[str]) -> Asked:
             asked.not_understood.append(name)
             continue
         value = value if equals else left.pop(0)
+        if not value:
+            asked.not_understood.append(f"{name} without a value")
+            continue
         if name == "--axis":
             if value in ("0", "1", "2", "3"):
                 asked.axes = [*(asked.axes or []), int(value)]
@@ -152,28 +157,70 @@ def _is_had(port: str | None, answered: Iterable[_Answered]) -> bool:
 
 def _ask(server: Server, asked: Asked) -> _Answered:
     try:
-        # Halting is for one device each: all are stopped first, whatever their names.
-        is_first_of_two = asked.halt and asked.device is None
-        status, content = stop_until_answered(
-            server, asked.device, asked.axes, halt=asked.halt and asked.device is not None
-        )
-        if is_first_of_two and status == 200:
-            for device in json.loads(content)["devices"]:
-                ask_to_stop(server, device["id"], halt=True)
-            status, content = ask_to_stop(server)
-        return _told(server, status, json.loads(content))
+        status, answer = _answer_of(server, asked)
+        if status == UNAUTHORIZED:
+            # A link that is kept is of no use once a server has begun anew, with other tokens: those are in its note.
+            for noted in running():
+                if status == UNAUTHORIZED and noted.place[1] == server.place[1]:
+                    server = noted
+                    status, answer = _answer_of(noted, asked)
+        return _told(server, status, answer)
     except NoServer as error:
         _tell(str(error))
-    except (OSError, ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, AttributeError):
         _tell(f"What answers at {server.url} is no StepRamp.")
     return _Answered(NOBODY_THERE)
 
 
+def _answer_of(server: Server, asked: Asked) -> tuple[int, dict[str, Any]]:
+    is_of_one = asked.device is not None
+    status, answer = _ask_until_answered(server, asked.device, asked.axes, halt=asked.halt and is_of_one)
+    if not asked.halt or is_of_one or status != OK_STATUS:
+        return status, answer
+    # Halting is for one device each: all were stopped first, whatever their names.
+    refusals = _halt_each(server, [device["id"] for device in answer["devices"]])
+    status, answer = _ask_until_answered(server)
+    return status, {**answer, "errors": [*(answer.get("errors") or ()), *refusals]}
+
+
+def _halt_each(server: Server, devices: Sequence[str]) -> list[dict[str, Any]]:
+    """Halt devices, each without waiting for another one; return what was refused. Who is lost, its state tells."""
+    refusals: list[dict[str, Any]] = []
+
+    def halt(device: str) -> None:
+        status, answer = _ask_until_answered(server, device, halt=True)
+        if status not in (OK_STATUS, LOST_STATUS):
+            refusals.extend(answer["errors"])
+
+    threads = [threading.Thread(target=halt, args=[device], daemon=True) for device in devices]
+    for thread in threads:
+        thread.start()
+    _wait_for(threads)
+    return refusals
+
+
+def _ask_until_answered(
+    server: Server, device: str | None = None, axes: Sequence[int] | None = None, *, halt: bool = False
+) -> tuple[int, dict[str, Any]]:
+    """Ask a server; why no answer comes is told once, where it is more than its silence."""
+    told: set[str] = set()
+
+    def tell(why: str) -> None:
+        if why not in told:
+            told.add(why)
+            _tell(f"{server.url} can't be asked: {why}. It is tried again (Ctrl+C gives up).")
+
+    status, content = stop_until_answered(server, device, axes, halt=halt, tell=tell)
+    return status, json.loads(content)
+
+
 def _told(server: Server, status: int, answer: dict[str, Any]) -> _Answered:
-    if status != 200:
+    if status != OK_STATUS:
         for error in answer["errors"]:
-            _tell(error["message"])
-        return _Answered({404: FAILED, 502: NOBODY_THERE}.get(status, FAILED))
+            _tell(f"NOT stopped by {server.url}: {error['message']}")
+        if status == UNAUTHORIZED:
+            _tell("Each start of a server makes new tokens, which it prints. If anything moves, cut the motor's power.")
+        return _Answered({UNAUTHORIZED: NOBODY_THERE, LOST_STATUS: NOBODY_THERE}.get(status, FAILED))
     devices = answer.get("devices", [answer])
     code = OK
     # Of all: whose stop was refused, as of a machine that somebody else has set in motion.
@@ -212,6 +259,9 @@ def _stop_at_port(asked: Asked) -> int:
     """Stop what is at the port that is named, without a server."""
     assert asked.port is not None
     outcome = "was NOT stopped"
+    if asked.port.startswith(VIRTUAL):
+        _tell(f"Nothing at {asked.port} was stopped: it is within a server, and none that answered has it.")
+        return NOBODY_THERE
     try:
         if asked.family == USUAL_FAMILY and "://" not in asked.port:
             _send_at_once(asked.port)
