@@ -18,7 +18,14 @@ from event_loop import run
 from stepramp.http_api import client_limits, door
 from stepramp.http_api.access import CLIENT, Access, Client, Role
 from stepramp.http_api.app import create_app
-from stepramp.http_api.idempotency import KEPT_S, MOST_ANSWER_BYTES, MOST_KEPT, MOST_TOGETHER_BYTES, Idempotent
+from stepramp.http_api.idempotency import (
+    KEPT_S,
+    MOST_ANSWER_BYTES,
+    MOST_KEPT,
+    MOST_LEFT,
+    MOST_TOGETHER_BYTES,
+    Idempotent,
+)
 from stepramp.http_api.key_ages import KeyAges
 from stepramp.http_api.request_numbers import RequestNumbering, number_of
 from waiting import until
@@ -137,6 +144,26 @@ def test_it_is_done_though_its_client_leaves_and_told_to_who_asks_again() -> Non
         served.may_end.set()
         assert (await again)[1] == b'{"number":1}'
         assert len(served.done) == 1
+
+    run(work())
+
+
+def test_of_those_whose_clients_have_gone_so_many_go_on_at_most() -> None:
+    async def work() -> None:
+        served = Served()
+        served.may_end = asyncio.Event()
+        leaving = [asyncio.ensure_future(served.ask(f"k{at}")) for at in range(MOST_LEFT)]
+        while len(served.done) < MOST_LEFT:
+            await asyncio.sleep(0)
+        for each in leaving:
+            each.cancel()
+        await asyncio.wait(leaving)
+        status, body, _ = await served.ask("other")
+        assert (status, b"whose clients have gone" in body) == (503, True)
+        again = asyncio.ensure_future(served.ask("k0"))
+        served.may_end.set()
+        assert (await again)[0] == 200
+        assert (await served.ask("other"))[0] == 200
 
     run(work())
 

@@ -11,7 +11,7 @@ from typing import TypeVar
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from stepramp.errors import Refused, Rejected, Rejection, StepRampError
+from stepramp.errors import Overloaded, Refused, Rejected, Rejection, StepRampError
 from stepramp.http_api.access import Client
 from stepramp.http_api.door import is_stop
 from stepramp.http_api.errors import error_response
@@ -31,6 +31,11 @@ MOST_ANSWER_BYTES = 500_000
 """Of a longer answer only that there was one is kept."""
 MOST_TOGETHER_BYTES = 32_000_000
 """Nor more is kept of the oldest ones, where the answers of all clients are longer together."""
+MOST_LEFT = 100
+"""So many go on at a time whose clients have gone: they are counted nowhere else any more."""
+TOO_MANY_LEFT = Overloaded(
+    f"{MOST_LEFT} requests with keys are under way still whose clients have gone. Wait for what comes of them."
+)
 ALLOWED_KEY = f"1 to {MOST_KEY} visible ASCII characters, given once"
 OTHER_REQUEST = "a key of its own for each request: this one was given for another one, by method, address or body"
 NOT_KEPT = (
@@ -78,6 +83,8 @@ class Idempotent:
         self._answered: OrderedDict[_Asked, None] = OrderedDict()
         """Those of which the answer is kept."""
         self._answers_bytes = 0
+        self._left: set[asyncio.Future[list[Message]]] = set()
+        """What goes on though who asked has gone."""
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass on what has no key, or one that is new; answer anything else."""
@@ -101,6 +108,9 @@ class Idempotent:
             if await asyncio.shield(before.ended):
                 await _answer_again(before, key, scope, receive, send)
                 return
+        if len(self._left) >= MOST_LEFT:
+            await error_response(TOO_MANY_LEFT)(scope, receive, send)
+            return
         asked_before = keys_with(self._asked, key, client)
         asked_before.pop(key, None)
         asked = asked_before[key] = _Asked(request, asyncio.get_running_loop().create_future(), self._now_s())
@@ -111,6 +121,8 @@ class Idempotent:
             answer = await asyncio.shield(doing)
         except asyncio.CancelledError:
             heard.leave()
+            self._left.add(doing)
+            doing.add_done_callback(self._left.discard)
             raise
         for message in answer:
             await send(message)
