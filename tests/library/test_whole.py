@@ -103,6 +103,35 @@ def test_what_two_libraries_say_of_a_design_is_joined(filled: Place, empty: Plac
     assert filled.whole.add(empty.file()).described == 0
 
 
+def test_a_record_is_of_a_revision_that_is_there(filled: Place, empty: Place) -> None:
+    lines = list(filled.all().values())
+    [record] = [each["record"] for each in lines if "record" in each]
+    record["revision"] = 3
+    with pytest.raises(Rejected, match=r"record.revision is 3; allowed: 1 to 2"):
+        empty.whole.add(ended(*lines))
+
+
+def test_two_libraries_that_went_their_own_ways_have_both_of_each_after_a_file_each_way(
+    filled: Place, empty: Place
+) -> None:
+    """However often, and whatever was saved in between."""
+    empty.whole.add(filled.file())
+    [lift] = filled.library.search("lift")[1]
+    for at in range(4):
+        for steps, place in ((100 + at, filled), (200 + at, empty)):
+            place.library.save(lift.id, place.library.get(lift.id)[0].version, design(move__steps=steps), f"{steps}")
+        filled.whole.add(empty.file())
+        empty.whole.add(filled.file())
+        notes = [
+            sorted([note.note for note in place.library.get(each.id)[1]] for each in place.library.search("lift")[1])
+            for place in (filled, empty)
+        ]
+        both = [[f"{first + late}" for late in range(at, -1, -1)] + ["second", "first"] for first in (100, 200)]
+        assert notes == [both, both]
+    again = empty.whole.add(filled.file())
+    assert (again.designs, again.revisions, again.copies) == (0, 0, [])
+
+
 def test_notes_that_differ_are_both_kept(filled: Place, empty: Place) -> None:
     empty.whole.add(filled.file())
     [lift] = filled.library.search("lift")[1]

@@ -120,6 +120,10 @@ class _Import:
         self._made = Imported()
         self._called: dict[str, str] = {}
         """What the designs of the file are called in the library."""
+        self._counts: dict[str, int] = {}
+        """How many revisions those have by then."""
+        self._own_ways: dict[str, str] | None = None
+        """Designs that were there, by what those are called that part from others with each of their revisions."""
         self._pushes: dict[str, bool] = {}
         """Pushes of the file, and whether they were there."""
         self._design: DesignLine | None = None
@@ -162,20 +166,34 @@ class _Import:
         if not revisions:
             raise _stray("design.id", design.id, "one with revisions after it")
         given = [hash_of(as_text(each.design)) for each in revisions]
-        there = self._hashes(design.id)
-        if given[: len(there)] == there:
-            self._add_design(design, design.id, revisions, len(there))
-        elif there[: len(given)] == given:
-            self._called[design.id] = design.id
-            self._made.there_already += 1
-            self._describe(design, design.id)
-        else:
-            # The same file once more finds the copy.
-            copy = hash_of(as_text([design.id, given]))[:32]
-            if not self._hashes(copy):
-                self._made.copies.append(design.name)
-            self._add_design(design, copy, revisions, len(self._hashes(copy)))
-            self._called[design.id] = copy
+        called, there = self._place_of(design.id, given)
+        if called != design.id and not there:
+            self._made.copies.append(design.name)
+        self._counts[design.id] = max(len(given), len(there))
+        self._add_design(design, called, revisions, len(there))
+
+    def _place_of(self, design_id: str, given: list[str]) -> tuple[str, list[str]]:
+        """Return what a design of a file is called here, and the revisions, as hashes, that are there of it.
+
+        One that has gone another way is beside that which is there, called by the revision at which they part: so it is
+        found again, however long it has become.
+        """
+        there = self._hashes(design_id)
+        if not there:
+            design_id = self._own_way_called(design_id)
+            there = self._hashes(design_id)
+        while (parts_at := _parting(given, there)) is not None:
+            design_id = _way_called(design_id, parts_at, given[parts_at])
+            there = self._hashes(design_id)
+        return design_id, there
+
+    def _own_way_called(self, design_id: str) -> str:
+        """Return the design that another library has beside its own by that id; without one, that id."""
+        if self._own_ways is None:
+            chosen = select(REVISIONS.c.design_id, REVISIONS.c.number, REVISIONS.c.content_hash)
+            rows = self._connection.execute(chosen)
+            self._own_ways = {_way_called(of, number - 1, revision): of for of, number, revision in rows}
+        return self._own_ways.get(design_id, design_id)
 
     def _hashes(self, design_id: str) -> list[str]:
         chosen = select(REVISIONS.c.content_hash).where(REVISIONS.c.design_id == design_id).order_by(REVISIONS.c.number)
@@ -249,6 +267,8 @@ class _Import:
         design_id = self._called.get(line.design_id)
         if design_id is None:
             raise _stray("record.design_id", line.design_id, "the id of a design before it")
+        if line.revision > self._counts[line.design_id]:
+            raise _stray("record.revision", line.revision, f"1 to {self._counts[line.design_id]:,}, as the design has")
         if self._row(RECORDS, line.id) is not None:
             self._made.there_already += 1
             return
@@ -258,6 +278,16 @@ class _Import:
 
     def _row(self, table: Table, called: str) -> RowMapping | None:
         return self._connection.execute(select(table).where(table.c.id == called)).mappings().one_or_none()
+
+
+def _parting(given: list[str], there: list[str]) -> int | None:
+    """Return from which place on two histories differ; None where one only goes on from the other."""
+    pairs = zip(given, there, strict=False)
+    return next((at for at, (one, other) in enumerate(pairs) if one != other), None)
+
+
+def _way_called(design_id: str, parts_at: int, revision: str) -> str:
+    return hash_of(as_text([design_id, parts_at, revision]))[:32]
 
 
 def _joined(present: Kept, given: DesignLine) -> About:
