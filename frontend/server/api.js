@@ -171,7 +171,7 @@ export async function readFile(response) {
 const FEWEST_POINTS = 10;
 const ROTOR_POINTS = 2000;
 
-const events = createEvents(() => socketAddress('devices/events'), () => address('access'));
+const events = createEvents(() => socketAddress('devices/events'));
 const sliding = createConversation(() => socketAddress('curves/socket'), ANSWER_WITHIN_MS);
 
 export const api = {

@@ -15,12 +15,8 @@ const LONGEST_RECONNECT_MS = 2_000;
 const TICK_MS = 500;
 const SILENT_TICKS = 8;
 
-/** The status of what asks without a link that counts. */
-const UNAUTHORIZED = 401;
-const PROBED_WITHIN_MS = 2_000;
-
-/** @param {() => URL} address @param {() => URL} whoAmI  what answers whether this page is known */
-export function createEvents(address, whoAmI) {
+/** @param {() => URL} address */
+export function createEvents(address) {
   /** @type {WebSocket | null} */
   let socket = null;
   let last = 0;
@@ -47,17 +43,6 @@ export function createEvents(address, whoAmI) {
     watch(onDevices, onLink) {
       let waitMs = FIRST_RECONNECT_MS;
       let ticks = 0;
-      let isKnown = true;
-      // A browser doesn't tell why a socket was refused.
-      const probe = async () => {
-        try {
-          const { status } = await fetch(whoAmI(), { signal: AbortSignal.timeout(PROBED_WITHIN_MS) });
-          isKnown = status !== UNAUTHORIZED;
-        } catch {
-          isKnown = true;
-        }
-        if (socket?.readyState === WebSocket.CLOSED && !isKnown) onLink('unknown');
-      };
       const hear = () => {
         ticks = 0;
         onLink('there');
@@ -69,10 +54,7 @@ export function createEvents(address, whoAmI) {
       const open = () => {
         const opened = new WebSocket(address());
         socket = opened;
-        let wasOpen = false;
         opened.onopen = () => {
-          wasOpen = true;
-          isKnown = true;
           waitMs = FIRST_RECONNECT_MS;
           hear();
         };
@@ -86,8 +68,7 @@ export function createEvents(address, whoAmI) {
         };
         opened.onclose = () => {
           giveUp();
-          onLink(isKnown ? 'gone' : 'unknown');
-          if (!wasOpen) probe();
+          onLink('gone');
           setTimeout(open, waitMs);
           waitMs = Math.min(LONGEST_RECONNECT_MS, waitMs * 2);
         };

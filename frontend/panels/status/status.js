@@ -11,7 +11,6 @@ const SERVER_WORDS = {
   there: 'server connected',
   silent: 'Server silent: what is shown is old',
   gone: 'Server gone: trying again…',
-  unknown: 'Server started anew: open the link that it printed',
 };
 
 const KEEPING_WORDS = {
