@@ -197,7 +197,7 @@ def _is_cut_off(path: Path) -> bool:
     try:
         with path.open("rb") as file:
             return file.seek(0, os.SEEK_END) > 0 and file.seek(-1, os.SEEK_END) >= 0 and file.read() != b"\n"
-    except FileNotFoundError:
+    except OSError:  # It is new, or may only be written to.
         return False
 
 
