@@ -416,7 +416,8 @@
  * @typedef {'refused' | 'unanswered' | 'awaited' | null} Staleness */
 
 /** Whether the server is heard of. silent: the connection is there, but nothing comes over it.
- * @typedef {'there' | 'silent' | 'gone'} Link */
+ * unknown: it is there, but doesn't know this page: it was started anew, with other links.
+ * @typedef {'there' | 'silent' | 'gone' | 'unknown'} Link */
 
 /** What decides which of the device's buttons can be used.
  * @typedef {object} Situation

@@ -26,6 +26,7 @@ const STOP_WITHIN_MS = 100;
 const MOST_REQUESTS = 4;
 /** The status of what is understood but can't be done. */
 export const UNPROCESSABLE = 422;
+const UNAUTHORIZED = 401;
 export const NOT_FOUND = 404;
 /** The status of a change of what somebody else has changed meanwhile. */
 export const CHANGED_MEANWHILE = 412;
@@ -167,11 +168,21 @@ export async function readFile(response) {
   return { file: await response.blob(), name };
 }
 
+/** Whether the server is there, and does not know this page: it was started anew, with other links. */
+async function isUnknown() {
+  try {
+    await request('GET', 'access', undefined, { isUrgent: true });
+  } catch (error) {
+    return error instanceof Refusal && error.status === UNAUTHORIZED;
+  }
+  return false;
+}
+
 /** Of what the rotor does: none is looked at, and more than a dialog's chart can show. */
 const FEWEST_POINTS = 10;
 const ROTOR_POINTS = 2000;
 
-const events = createEvents(() => socketAddress('devices/events'));
+const events = createEvents(() => socketAddress('devices/events'), isUnknown);
 const sliding = createConversation(() => socketAddress('curves/socket'), ANSWER_WITHIN_MS);
 
 export const api = {

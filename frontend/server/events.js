@@ -15,8 +15,10 @@ const LONGEST_RECONNECT_MS = 2_000;
 const TICK_MS = 500;
 const SILENT_TICKS = 8;
 
-/** @param {() => URL} address */
-export function createEvents(address) {
+/** @param {() => URL} address
+ * @param {() => Promise<boolean>} isUnknown  whether the server is there and does not know this page: a browser doesn't
+ *   tell why a socket was refused */
+export function createEvents(address, isUnknown) {
   /** @type {WebSocket | null} */
   let socket = null;
   let last = 0;
@@ -43,6 +45,12 @@ export function createEvents(address) {
     watch(onDevices, onLink) {
       let waitMs = FIRST_RECONNECT_MS;
       let ticks = 0;
+      /** @type {Link} */
+      let without = 'gone';
+      const askWhy = async () => {
+        without = (await isUnknown()) ? 'unknown' : 'gone';
+        if (socket?.readyState !== WebSocket.OPEN) onLink(without);
+      };
       const hear = () => {
         ticks = 0;
         onLink('there');
@@ -54,7 +62,10 @@ export function createEvents(address) {
       const open = () => {
         const opened = new WebSocket(address());
         socket = opened;
+        let wasOpen = false;
         opened.onopen = () => {
+          wasOpen = true;
+          without = 'gone';
           waitMs = FIRST_RECONNECT_MS;
           hear();
         };
@@ -68,7 +79,8 @@ export function createEvents(address) {
         };
         opened.onclose = () => {
           giveUp();
-          onLink('gone');
+          onLink(without);
+          if (!wasOpen) askWhy();
           setTimeout(open, waitMs);
           waitMs = Math.min(LONGEST_RECONNECT_MS, waitMs * 2);
         };

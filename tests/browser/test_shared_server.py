@@ -94,6 +94,23 @@ def test_one_operates_and_the_other_looks_on_and_stops(people: list[BrowserConte
     assert re.search(r'"role": "view", .*"asked": "(POST|WebSocket) /api/v1/devices/', text)
 
 
+def test_a_server_that_began_anew_says_that_its_link_is_another(browser: Browser, tmp_path: Path) -> None:
+    with Server("--require-token", "--data-folder", str(tmp_path), lines=3) as server:
+        context = browser.new_context(base_url=server.url, viewport={"width": 1440, "height": 900})
+        there = opened(context, link_of(SharedServer(server.url, server.said, tmp_path), "to operate"))
+        state = there.page.locator("#server-state")
+        expect(state).to_have_text("server connected")
+        server.stop()
+        expect(state).to_have_text("Server gone: trying again…")
+        server.start()
+        expect(state).to_have_text("Server started anew: open the link that it printed")
+        expect(there.page.locator("#move-reason")).to_contain_text("knows this page no more: open the link")
+        # Whichever page of the browser opens it, all of them are known by it.
+        opened(context, link_of(SharedServer(server.url, server.said, tmp_path), "to operate"))
+        expect(state).to_have_text("server connected")
+        context.close()
+
+
 def test_the_form_lets_in_who_types_the_token(people: list[BrowserContext], shared: SharedServer) -> None:
     page = people[0].new_page()
     page.add_init_script(GUIDE_CLOSED)

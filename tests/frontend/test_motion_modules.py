@@ -337,21 +337,25 @@ def test_why_a_push_is_refused_and_of_which_design(modules: Modules) -> None:
 
 SILENCE = """async (happens) => { const {createEvents} = await import('/server/events.js');
     const own = {WebSocket: globalThis.WebSocket, setInterval, setTimeout}, sockets = [], seen = [];
-    let tick, again;
+    let tick, again, isUnknown = false;
     globalThis.WebSocket = class { static OPEN = 1; readyState = 0; constructor() { sockets.push(this); } };
     globalThis.setInterval = (act) => { tick = act; };
     globalThis.setTimeout = (act) => { again = act; };
-    createEvents(() => 'ws://').watch(() => {}, (link) => { if (seen.at(-1) !== link) seen.push(link); });
+    createEvents(() => 'ws://', async () => isUnknown)
+        .watch(() => {}, (link) => { if (seen.at(-1) !== link) seen.push(link); });
     const ways = {
         open: () => { sockets.at(-1).readyState = 1; sockets.at(-1).onopen(); },
         tell: () => sockets.at(-1).onmessage({data: '{"devices": []}'}),
         answer: () => sockets.at(-1).onmessage({data: '{"did": {"number": 1}, "devices": []}'}),
         close: () => { sockets.at(-1).readyState = 3; sockets.at(-1).onclose(); again(); },
+        refuse: () => { isUnknown = true; ways.close(); },
+        end: () => { isUnknown = false; ways.close(); },
         tick: () => tick(),
     };
     const told = [];
     for (const [way, times] of happens) {
         for (let time = 0; time < times; time += 1) ways[way]();
+        for (let turn = 0; turn < 5; turn += 1) await null;
         told.push(seen.at(-1) ?? null);
     }
     Object.assign(globalThis, own);
@@ -369,6 +373,13 @@ def test_a_server_of_which_nothing_is_heard_for_eight_ticks_is_silent_until_it_t
 def test_a_server_that_is_gone_is_not_called_silent(modules: Modules) -> None:
     happens = [("open", 1), ("close", 1), ("tick", 20), ("open", 1), ("tick", 7), ("tick", 1), ("close", 1)]
     assert modules.evaluate(SILENCE, happens) == ["there", "gone", "gone", "there", "there", "silent", "gone"]
+
+
+def test_a_server_that_refuses_the_page_is_there_and_one_that_ends_then_is_gone(modules: Modules) -> None:
+    happens = [("open", 1), ("close", 1), ("end", 1), ("refuse", 1), ("tick", 20), ("refuse", 1), ("end", 1)]
+    told = ["there", "gone", "gone", "unknown", "unknown", "unknown", "gone"]
+    assert modules.evaluate(SILENCE, happens) == told
+    assert modules.evaluate(SILENCE, [("refuse", 1), ("open", 1), ("close", 1)]) == ["unknown", "there", "gone"]
 
 
 def test_what_pauses_at_an_end_of_its_way_is_not_ready(modules: Modules) -> None:

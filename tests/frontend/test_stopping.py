@@ -387,6 +387,7 @@ STOPPING = """async (happens) => {
     const {api, watchDevices} = await import('/server/api.js');
     watchDevices(() => {}, () => {});
     const socket = sockets.at(-1), seen = [];
+    socket.onopen();
     const hear = (told) => socket.onmessage({data: JSON.stringify({did: {number: socket.number}, ...told})});
     let now = 'open';
     api.stopAll().then(() => { now = 'granted'; }, () => { now = 'failed'; });

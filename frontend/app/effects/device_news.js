@@ -4,7 +4,7 @@
 
 import { api, Refusal, watchDevices } from '../../server/api.js';
 import { createEnded } from '../../devices/ended.js';
-import { shownState } from '../../devices/state_words.js';
+import { shownState, UNKNOWN_PAGE } from '../../devices/state_words.js';
 import { createFollower, measuredFrom, untilComplete } from '../../devices/traces.js';
 import { heard, linked, refused, showMeasured, traceCame } from '../commands/device.js';
 import { announce, urge } from '../commands/told.js';
@@ -13,7 +13,7 @@ import { rejectionsOf } from './device_actions.js';
 
 /** @typedef {import('../../model/types.js').Device} Device */
 
-const LINK_WORDS = { there: 'The server is back', silent: 'The server is silent', gone: 'The server is gone' };
+const LINK_WORDS = { there: 'The server is back', silent: 'The server is silent', gone: 'The server is gone', unknown: UNKNOWN_PAGE };
 const CONFLICT = 409;
 
 /**

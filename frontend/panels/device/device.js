@@ -6,7 +6,7 @@ import { tell } from '../../app/commands/told.js';
 import { axesOffered, deviceAxisOf, deviceOf, familiesOf, familyOf, playedOf, portChoicesOf, portOf, situationOf } from '../../app/devices.js';
 import { machineOf } from '../../app/selectors.js';
 import { whenChanged, whenever } from '../../app/state.js';
-import { shownState } from '../../devices/state_words.js';
+import { shownState, UNKNOWN_PAGE } from '../../devices/state_words.js';
 import { memory } from '../../documents/memory.js';
 import { closeButton, element, icon, messageLine, picker, segmented, showText } from '../../ui/dom.js';
 import { pushText } from '../../model/messages.js';
@@ -225,6 +225,7 @@ export function createDevice(root, dispatch, act) {
   /** Why nothing can be asked of a device; empty: something can.
    * @param {Device | null} present @param {Situation} now */
   function hindrance(present, now) {
+    if (now.link === 'unknown') return `${UNKNOWN_PAGE}.`;
     if (now.link !== 'there') return `The server is ${now.link}.`;
     if (!now.mayAct) return 'You look on: your link allows to see, to compute and to stop.';
     if (present === null || present.state === 'lost') return 'Connect a device first.';

@@ -160,7 +160,7 @@ export function createSettingsDialog({ limit, useSettings, tell }) {
  * @param {Device} device @param {Device[]} told @param {import('../../model/types.js').Link} link */
 function whyGone({ id, port }, told, link) {
   const now = told.find((one) => one.id === id);
-  if (link === 'gone') return 'the server is gone';
+  if (link === 'gone' || link === 'unknown') return 'the server is gone';
   if (!now) return 'it is not connected any more';
   return now.port === port ? '' : `it was at ${port}, and what has its number now is at ${now.port}`;
 }

@@ -11,6 +11,7 @@ const SERVER_WORDS = {
   there: 'server connected',
   silent: 'Server silent: what is shown is old',
   gone: 'Server gone: trying again…',
+  unknown: 'Server started anew: open the link that it printed',
 };
 
 const KEEPING_WORDS = {
