@@ -17,6 +17,7 @@ from stepramp.client import urgent
 from stepramp.client.servers import Server
 from stepramp.client.urgent import stop_until_answered
 from stepramp.command_line import stop
+from stepramp.errors import NoServer
 
 Answer = Callable[[str, str], tuple[int, Any]]
 """From the end of a path below devices/, and a token, to a status and a content."""
@@ -99,6 +100,24 @@ def test_a_halt_that_is_refused_is_told(scripted: Scripted, ask: Ask) -> None:
     told = ask(f"stop --halt --server {scripted.url}")
     assert (told.code, told.err) == (1, "stepramp: It refuses.\n")
     assert {"1/halt", "2/halt", "3/halt"} <= set(scripted.asked)
+
+
+def test_a_server_that_ends_between_the_stop_and_a_halt_is_told_in_words(
+    scripted: Scripted, ask: Ask, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def ended(server: Server, device: str | None = None, *_: object, **rest: Any) -> tuple[int, bytes]:
+        if device == "1":
+            raise NoServer(f"No server answers at {server.url}.")
+        return stop_until_answered(server, device, None, **rest)
+
+    monkeypatch.setattr(stop, "stop_until_answered", ended)
+    scripted.answer = lambda what, _: (200, DEVICES[0]) if what == "2/halt" else ALL if what == "stop" else (500, [])
+    told = ask(f"stop --halt --server {scripted.url}")
+    assert told.code == 1
+    assert sorted(told.err.splitlines()) == [
+        f"stepramp: Device 1 was stopped, and not halted: No server answers at {scripted.url}.",
+        f"stepramp: Device 3 was stopped, and not halted: {scripted.url} answered with what is none.",
+    ]
 
 
 def test_what_one_server_refuses_is_told_with_its_name(scripted: Scripted, ask: Ask) -> None:

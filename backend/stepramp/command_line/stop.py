@@ -188,9 +188,13 @@ def _halt_each(server: Server, devices: Sequence[str]) -> list[dict[str, Any]]:
     refusals: list[dict[str, Any]] = []
 
     def halt(device: str) -> None:
-        status, answer = _ask_until_answered(server, device, halt=True)
-        if status not in (OK_STATUS, LOST_STATUS):
-            refusals.extend(answer["errors"])
+        try:
+            status, answer = _ask_until_answered(server, device, halt=True)
+            if status not in (OK_STATUS, LOST_STATUS):
+                refusals.extend(answer["errors"])
+        except (NoServer, ValueError, KeyError, TypeError) as error:
+            why = str(error) if isinstance(error, NoServer) else f"{server.url} answered with what is none."
+            refusals.append({"message": f"Device {device} was stopped, and not halted: {why}"})
 
     threads = [threading.Thread(target=halt, args=[device], daemon=True) for device in devices]
     for thread in threads:
