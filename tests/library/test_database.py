@@ -103,11 +103,13 @@ def test_a_full_disk_is_said_and_nothing_is_half_saved(tmp_path: Path) -> None:
     library = Library(Database(tmp_path))
     kept = library.add(design(), About("Lift"))
     script = f"""
-import resource, signal, sys
+import resource, shutil, signal, sys
+from collections import namedtuple
 from pathlib import Path
 from designs import design
 from stepramp.library.database import Database
 from stepramp.library.library import About, Library
+shutil.disk_usage = lambda folder: namedtuple("Usage", "free")(4096)
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, 30_000))
 library = Library(Database(Path({str(tmp_path)!r})))
@@ -120,7 +122,7 @@ except Exception as error:
     told = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, env=environment, check=True, timeout=120
     ).stdout
-    assert told.startswith("Unavailable The library can't be used (")
+    assert told.startswith("Unavailable The library can't be used (the disk is full: 4,096 bytes are left where")
     assert "nothing was saved" in told
     assert library.get(kept.id)[0] == kept
 

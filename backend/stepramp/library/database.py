@@ -3,6 +3,7 @@
 It is opened when it is first asked, and again as long as that fails: nothing else of the server needs it.
 """
 
+import shutil
 import sqlite3
 import threading
 from collections.abc import Iterator
@@ -22,6 +23,8 @@ from stepramp.errors import Unavailable
 
 URL_VARIABLE = "STEPRAMP_DATABASE_URL"
 FILE_NAME = "library.sqlite3"
+LITTLE_BYTES = 1_000_000
+"""With less room left, an I/O error is for want of it."""
 LOCKED_S = 5.0
 """So long another program's writing is waited for, and a connection to a server."""
 
@@ -48,7 +51,7 @@ class Database:
         """Yield a connection that sees one moment; it raises Unavailable when the database can't be used."""
         # In a transaction SQLite shows nothing else.
         options = {} if self._url is None else {"isolation_level": "REPEATABLE READ"}
-        with _unavailable(), self._opened().connect().execution_options(**options) as connection, connection.begin():
+        with self._unavailable(), self._opened().connect().execution_options(**options) as connection, connection.begin():
             yield connection
 
     @contextmanager
@@ -57,7 +60,8 @@ class Database:
 
         Once it is left without an exception, what was written outlasts a power cut.
         """
-        with _unavailable(), self._opened().connect().execution_options(writes=True) as connection, connection.begin():
+        options = {"writes": True}
+        with self._unavailable(), self._opened().connect().execution_options(**options) as connection, connection.begin():
             yield connection
 
     def close(self) -> None:
@@ -120,6 +124,34 @@ class Database:
         ):
             source.backup(copy)
 
+    @contextmanager
+    def _unavailable(self) -> Iterator[None]:
+        """Have whatever keeps the database from being used said in words."""
+        try:
+            yield
+        except (DataError, IntegrityError) as error:
+            raise NeverKept(
+                f"The library can't keep this ({' '.join(str(error.orig).split())}): nothing was saved."
+            ) from error
+        except DBAPIError as error:
+            reason = self._reason(error.orig)
+        except (OSError, sqlite3.Error) as error:
+            reason = self._reason(error)
+        else:
+            return
+        raise Unavailable(
+            f"The library can't be used ({reason}): nothing was saved in it. All else goes on without it."
+        )
+
+    def _reason(self, error: BaseException | None) -> str:
+        code = getattr(error, "sqlite_errorcode", 0) & 0xFF  # Above those bits it says which kind of it.
+        if code in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
+            # For want of room it can't make its shared memory either, and calls that an I/O error.
+            free_bytes = shutil.disk_usage(self._file.parent).free
+            if code == sqlite3.SQLITE_FULL or free_bytes < LITTLE_BYTES:
+                return f"the disk is full: {free_bytes:,} bytes are left where the library is"
+        return " ".join(str(error).split())
+
 
 def _named(url: str) -> Engine:
     try:
@@ -145,21 +177,3 @@ def _prepare(connection: sqlite3.Connection, _: object) -> None:
 def _begin(connection: Connection) -> None:
     writes = connection.get_execution_options().get("writes", False)
     connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
-
-
-@contextmanager
-def _unavailable() -> Iterator[None]:
-    """Have whatever keeps the database from being used said in words."""
-    try:
-        yield
-    except (DataError, IntegrityError) as error:
-        raise NeverKept(
-            f"The library can't keep this ({' '.join(str(error.orig).split())}): nothing was saved."
-        ) from error
-    except DBAPIError as error:
-        reason = " ".join(str(error.orig).split())
-    except (OSError, sqlite3.Error) as error:
-        reason = str(error)
-    else:
-        return
-    raise Unavailable(f"The library can't be used ({reason}): nothing was saved in it. All else goes on without it.")
