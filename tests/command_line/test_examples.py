@@ -28,11 +28,11 @@ def put(url: str, body: object) -> Any:
 
 
 @pytest.fixture
-def prepare(ask: Ask, server: str, folder: Path) -> Callable[[str], str]:
-    """Return what does what has to be done before an example, and returns it with what stands for its placeholders."""
+def prepare(ask: Ask, server: str, folder: Path, grbl: str) -> Callable[[str], dict[str, str]]:
+    """Return what does what has to be done before an example, and returns what its placeholders stand for."""
     del folder
 
-    def prepared(name: str) -> str:
+    def prepared(name: str) -> dict[str, str]:
         if name in ("move", "run", "home", "trace", "rollback", "keep", "restore", "status", "disconnect", "push"):
             assert ask("push design.json --port sim:// --yes").code == 0
         if name == "restore":
@@ -50,16 +50,31 @@ def prepare(ask: Ask, server: str, folder: Path) -> Callable[[str], str]:
         if name.startswith("designs ") and name not in ("designs list", "designs save"):
             kept = json.loads(ask("designs save design.json --format json").out)["id"]
             assert ask(f"designs save other.json --to {kept}").code == 0
-            return kept
-        return ""
+            return {"ID": kept} | history(name, kept)
+        return {}
+
+    def history(name: str, kept: str) -> dict[str, str]:
+        """Return the same of what a design has behind it."""
+        Path("trace.json").write_text('{"step": [1, 2]}')
+        if name == "designs record":
+            record = json.loads(ask(f"designs keep {kept} trace.json --kind trace --format json").out)
+            return {"RECORD": record["id"]}
+        if name == "designs pushed":
+            assert ask(f"push design.json --port {grbl} --family grbl --yes").code == 0
+            return {"PUSH": json.loads(ask("designs pushes --most 1 --format json").out)["pushes"][0]["id"]}
+        if name == "designs import":
+            assert ask("designs export --output library.jsonl").code == 0
+        return {}
 
     return prepared
 
 
 @pytest.mark.parametrize("described", COMMANDS.values(), ids=lambda each: each.name)
-def test_the_example_of_the_help_runs(ask: Ask, prepare: Callable[[str], str], grbl: str, described: Any) -> None:
-    kept = prepare(described.name)
-    words = described.example.removeprefix("stepramp ").replace("ID", kept).replace("/dev/ttyUSB0", grbl)
+def test_the_example_of_the_help_runs(
+    ask: Ask, prepare: Callable[[str], dict[str, str]], grbl: str, described: Any
+) -> None:
+    stand_for = prepare(described.name) | {"/dev/ttyUSB0": grbl}
+    words = " ".join(stand_for.get(word, word) for word in described.example.removeprefix("stepramp ").split(" "))
     told = ask(words)
     assert told.code == 0, told.err
     assert told.out or told.err or Path(words.split()[-1]).stat().st_size

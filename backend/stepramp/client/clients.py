@@ -77,6 +77,14 @@ class Requests:
     revision = Asked(library_calls.revision)
     differences = Asked(library_calls.differences)
     duplicate_design = Asked(library_calls.duplicate_design)
+    keep_record = Asked(library_calls.keep_record)
+    records = Asked(library_calls.records)
+    record = Asked(library_calls.record)
+    seen_devices = Asked(library_calls.seen_devices)
+    search_pushes = Asked(library_calls.search_pushes)
+    pushed = Asked(library_calls.pushed)
+    library_file = Asked(library_calls.library_file)
+    add_library_file = Asked(library_calls.add_library_file)
 
 
 class Client(Requests, Blocking):

@@ -24,7 +24,16 @@ Commands ask the server of this machine if one runs, or else do it by themselves
 def program() -> typer.Typer:
     """Return the program."""
     # The others load what takes a while: `serve --help` and `stop --help` do without.
-    from stepramp.command_line import designs, device_list, exporting, motion, motors, pushing, ramps  # noqa: PLC0415
+    from stepramp.command_line import (  # noqa: PLC0415
+        designs,
+        device_list,
+        exporting,
+        history,
+        motion,
+        motors,
+        pushing,
+        ramps,
+    )
     from stepramp.command_line.server_commands import add_serve, add_stop  # noqa: PLC0415
 
     app = typer.Typer(name=NAME, help=ABOUT, rich_markup_mode=None, pretty_exceptions_enable=False)
@@ -34,7 +43,8 @@ def program() -> typer.Typer:
         part.add(app)
     add_stop(app)
     of_library = typer.Typer(name=designs.GROUP, help="The library of designs.", rich_markup_mode=None)
-    designs.add(of_library)
+    for part in (designs, history):
+        part.add(of_library)
     app.add_typer(of_library)
     return app
 

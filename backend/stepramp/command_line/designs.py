@@ -17,6 +17,7 @@ GROUP = "designs"
 Kept = Annotated[str, typer.Argument(metavar="ID", help="what `stepramp designs list` calls it")]
 Number = Annotated[int | None, typer.Option("--revision", help="which revision, from 1; else the newest")]
 Note = Annotated[str, typer.Option("--note", metavar="TEXT", help="what is to be known of this revision")]
+Output = Annotated[str, typer.Option("--output", metavar="FILE", help="file to write, - for standard output")]
 Tags = Annotated[list[str] | None, typer.Option("--tag", metavar="TAG", help="may be repeated")]
 
 
@@ -50,13 +51,12 @@ def shown(
     where: Where,
     design_id: Kept,
     revision: Number = None,
-    file: Annotated[str, typer.Option("--output", metavar="FILE", help="file to write, - for standard output")] = "-",
+    file: Output = "-",
 ) -> None:
     """Write the document of a design, as it was saved."""
     number = where.client.kept_design(design_id).revisions if revision is None else revision
     document = where.client.revision(design_id, number).design
-    text = visible_json(json.dumps(document, ensure_ascii=False, indent=2))
-    write(file, f"{text}\n".encode(), "--output")
+    write_json(file, document)
 
 
 def saved(
@@ -141,6 +141,12 @@ def describe(
         tags=before.tags if tags is None else tags,
     )
     _tell_kept(kept, format)
+
+
+def write_json(file: str, document: object) -> None:
+    """Write a document as it was kept."""
+    text = visible_json(json.dumps(document, ensure_ascii=False, indent=2))
+    write(file, f"{text}\n".encode(), "--output")
 
 
 def _refuse_nameless(name: str | None) -> None:

@@ -60,15 +60,16 @@ def text_of(source: str) -> str:
     return content.decode(json.detect_encoding(content))
 
 
-def bytes_of(source: str, field: str) -> bytes:
+def bytes_of(source: str, field: str, most_bytes: int | None = None) -> bytes:
     """Return the content of a file of any kind. Raises Rejected when it can't be read, or is larger than any taken."""
+    most_bytes = most_bytes or MOST_FILE_BYTES
     try:
         with sys.stdin.buffer if source == "-" else Path(source).open("rb") as file:
-            content = file.read(MOST_FILE_BYTES + 1)
+            content = file.read(most_bytes + 1)
     except OSError as error:
         raise Rejected([Rejection(field, source, f"a file that can be read ({why(error)})")]) from None
-    if len(content) > MOST_FILE_BYTES:
-        raise Rejected([Rejection(field, source, f"a file of up to {MOST_FILE_BYTES:,} bytes")])
+    if len(content) > most_bytes:
+        raise Rejected([Rejection(field, source, f"a file of up to {most_bytes:,} bytes")])
     return content
 
 
