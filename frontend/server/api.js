@@ -114,10 +114,11 @@ const rejection = (message, field = null) => ({ field, value: null, allowed: nul
 
 /** Have a file looked at. A server that can't answer now is one to ask again.
  * @param {string} path @param {File} file @param {AbortSignal} ended @param {import('./upload.js').OnSent} onSent
+ * @param {number} [mostBytes]  no larger one is read
  * @returns {Promise<any>} */
-export async function sendFile(path, file, ended, onSent) {
-  if (file.size > MOST_FILE_BYTES) {
-    const [size, limit] = [file.size, MOST_FILE_BYTES].map((count) => count.toLocaleString('en-US'));
+export async function sendFile(path, file, ended, onSent, mostBytes = MOST_FILE_BYTES) {
+  if (file.size > mostBytes) {
+    const [size, limit] = [file.size, mostBytes].map((count) => count.toLocaleString('en-US'));
     throw new Refusal(UNPROCESSABLE, [rejection(`${quoted(file.name)} has ${size} bytes; at most ${limit} are read.`, 'file')]);
   }
   const headers = { 'X-StepRamp-Page': PAGE, 'Content-Type': 'application/octet-stream' };

@@ -11,6 +11,8 @@ import { readFile, request, sendFile } from './api.js';
 /** A database may be slow, or locked for a while. */
 const WITHIN_MS = 40_000;
 const FILE_WITHIN_MS = 300_000;
+/** Whole libraries are larger than captures: the server has them on its disk [bytes]. */
+const MOST_LIBRARY_BYTES = 2_147_483_648;
 /** So many are told at once: who looks for others says more words. */
 export const MOST_FOUND = 100;
 
@@ -72,5 +74,5 @@ export const library = {
   file: () => request('GET', 'library/file', undefined, { withinMs: FILE_WITHIN_MS, read: readFile }),
 
   /** @param {File} file @returns {Promise<import('../model/library.js').Imported>} */
-  importFile: (file) => sendFile('library/import', file, new AbortController().signal, () => {}),
+  importFile: (file) => sendFile('library/import', file, new AbortController().signal, () => {}, MOST_LIBRARY_BYTES),
 };

@@ -24,12 +24,13 @@ from designs import design, document
 from event_loop import run
 from http_api.families import DEVICES, connected, error_of, ok
 from stepramp.errors import DeviceLost
-from stepramp.http_api import history_keeper
+from stepramp.http_api import bodies, history_keeper
 from stepramp.http_api.history_keeper import HistoryKeeper
 from stepramp.http_api.lanes import LIBRARY as LIBRARY_LANE
 from stepramp.http_api.library_file import library_as_file
 from stepramp.library import database
 from stepramp.library.history import History
+from stepramp.library.whole import Whole
 from waiting import until
 
 if TYPE_CHECKING:
@@ -234,6 +235,40 @@ async def nothing_comes() -> Message:
 
 async def nobody_takes(_: Message) -> None:
     raise OSError("gone")
+
+
+def test_a_library_without_room_on_the_way_is_told(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = client.get(f"{LIBRARY}/file").content
+    monkeypatch.setattr(tempfile, "tempdir", "/dev/full/folder")
+    for answer in (client.get(f"{LIBRARY}/file"), client.post(f"{LIBRARY}/import", content=whole, headers=TYPE)):
+        message = error_of(answer, 503)["message"]
+        assert "can't keep the file while it is read or sent (Not a directory" in message
+        assert "nothing was changed" in message
+
+
+def test_a_library_that_is_too_large_is_refused(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = client.get(f"{LIBRARY}/file").content
+    monkeypatch.setattr(bodies, "MOST_LIBRARY_BYTES", len(whole))
+    assert ok(client.post(f"{LIBRARY}/import", content=whole, headers=TYPE))["copies"] == []
+    error = error_of(client.post(f"{LIBRARY}/import", content=whole + b"\n", headers=TYPE), 413)
+    assert f"allowed: up to {len(whole)} bytes" in error["message"]
+
+
+def test_the_library_is_asked_while_all_of_it_is_written(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    begun, asked = threading.Event(), threading.Event()
+
+    def slow(_: Whole) -> Iterator[bytes]:
+        begun.set()
+        assert asked.wait(60)
+        yield b"all"
+
+    monkeypatch.setattr(Whole, "lines", slow)
+    with ThreadPoolExecutor(1) as pool:
+        told = pool.submit(client.get, f"{LIBRARY}/file")
+        assert begun.wait(60)
+        assert ok(client.post(f"{LIBRARY}/search", json={}))["count"] == 0
+        asked.set()
+        assert told.result().content == b"all"
 
 
 def test_the_library_as_a_file_and_back(

@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,9 @@ class Place:
     def file(self) -> bytes:
         return b"".join(self.whole.lines())
 
+    def add(self, content: bytes) -> Imported:
+        return self.whole.add(BytesIO(content))
+
     def all(self) -> dict[str, Any]:
         """Return everything, without when the file was made."""
         return {str(at): json.loads(line) for at, line in enumerate(self.file().splitlines()[1:-1])}
@@ -57,20 +61,21 @@ def empty(database: Database) -> Place:
 
 
 def test_an_empty_library_becomes_the_same(filled: Place, empty: Place) -> None:
-    assert empty.whole.add(filled.file()) == Imported(designs=2, revisions=3, devices=1, pushes=2, records=1)
+    assert empty.add(filled.file()) == Imported(designs=2, revisions=3, devices=1, pushes=2, records=1)
     assert empty.all() == filled.all()
     assert empty.library.search("größe")[0] == 1
     assert empty.history.pushes()[1] == filled.history.pushes()[1]
 
 
-def test_lines_may_end_as_windows_ends_them(filled: Place, empty: Place) -> None:
-    assert empty.whole.add(filled.file().replace(b"\n", b"\r\n")).designs == 2
+@pytest.mark.parametrize("rest", [b"", b"\r\n\r\n"])
+def test_lines_may_end_as_windows_ends_them_and_empty_ones_may_follow(filled: Place, empty: Place, rest: bytes) -> None:
+    assert empty.add(filled.file().replace(b"\n", b"\r\n") + rest).designs == 2
     assert empty.all() == filled.all()
 
 
 def test_what_is_there_already_is_not_added_twice(filled: Place) -> None:
     before = filled.all()
-    assert filled.whole.add(filled.file()) == Imported(there_already=6)
+    assert filled.add(filled.file()) == Imported(there_already=6)
     assert filled.all() == before
 
 
@@ -78,29 +83,29 @@ def test_a_design_gets_the_revisions_that_follow_those_it_has(filled: Place, emp
     older = filled.file()
     [lift] = filled.library.search("lift")[1]
     filled.library.save(lift.id, lift.version, design(move__steps=7), "third")
-    empty.whole.add(older)
-    assert empty.whole.add(filled.file()) == Imported(revisions=1, there_already=5)
+    empty.add(older)
+    assert empty.add(filled.file()) == Imported(revisions=1, there_already=5)
     told, revisions = empty.library.get(lift.id)
     assert (told.version, [each.note for each in revisions]) == (3, ["third", "second", "first"])
     # An older file adds nothing, and takes nothing away.
-    assert empty.whole.add(older) == Imported(there_already=6)
+    assert empty.add(older) == Imported(there_already=6)
     assert empty.library.get(lift.id)[0] == told
 
 
 def test_what_two_libraries_say_of_a_design_is_joined(filled: Place, empty: Place) -> None:
-    empty.whole.add(filled.file())
+    empty.add(filled.file())
     [lift] = filled.library.search("lift")[1]
     empty.library.describe(lift.id, lift.version, About("Lift of the gate", "of Größe 7\nquiet", ["a", "gate"]))
     filled.library.save(lift.id, lift.version, design(move__steps=7))
-    assert filled.whole.add(empty.file()) == Imported(described=1, there_already=6)
+    assert filled.add(empty.file()) == Imported(described=1, there_already=6)
     told = filled.library.get(lift.id)[0]
     assert (told.name, told.notes, told.tags) == ("Lift", "of Größe 7\nquiet", ["b", "a", "gate"])
     assert (told.version, told.revisions) == (lift.version + 2, 3)
     assert filled.library.search("gate")[0] == 1
-    assert empty.whole.add(filled.file()) == Imported(revisions=1, described=1, there_already=5)
+    assert empty.add(filled.file()) == Imported(revisions=1, described=1, there_already=5)
     again = empty.library.get(lift.id)[0]
     assert (again.name, again.notes, sorted(again.tags)) == (told.name, told.notes, sorted(told.tags))
-    assert filled.whole.add(empty.file()).described == 0
+    assert filled.add(empty.file()).described == 0
 
 
 def test_a_record_is_of_a_revision_that_is_there(filled: Place, empty: Place) -> None:
@@ -108,66 +113,66 @@ def test_a_record_is_of_a_revision_that_is_there(filled: Place, empty: Place) ->
     [record] = [each["record"] for each in lines if "record" in each]
     record["revision"] = 3
     with pytest.raises(Rejected, match=r"record.revision is 3; allowed: 1 to 2"):
-        empty.whole.add(ended(*lines))
+        empty.add(ended(*lines))
 
 
 def test_two_libraries_that_went_their_own_ways_have_both_of_each_after_a_file_each_way(
     filled: Place, empty: Place
 ) -> None:
     """However often, and whatever was saved in between."""
-    empty.whole.add(filled.file())
+    empty.add(filled.file())
     [lift] = filled.library.search("lift")[1]
     for at in range(4):
         for steps, place in ((100 + at, filled), (200 + at, empty)):
             place.library.save(lift.id, place.library.get(lift.id)[0].version, design(move__steps=steps), f"{steps}")
-        filled.whole.add(empty.file())
-        empty.whole.add(filled.file())
+        filled.add(empty.file())
+        empty.add(filled.file())
         notes = [
             sorted([note.note for note in place.library.get(each.id)[1]] for each in place.library.search("lift")[1])
             for place in (filled, empty)
         ]
         both = [[f"{first + late}" for late in range(at, -1, -1)] + ["second", "first"] for first in (100, 200)]
         assert notes == [both, both]
-    again = empty.whole.add(filled.file())
+    again = empty.add(filled.file())
     assert (again.designs, again.revisions, again.copies) == (0, 0, [])
 
 
 def test_notes_that_differ_are_both_kept(filled: Place, empty: Place) -> None:
-    empty.whole.add(filled.file())
+    empty.add(filled.file())
     [lift] = filled.library.search("lift")[1]
     filled.library.describe(lift.id, lift.version, About("Lift", "ours"))
     theirs = empty.library.describe(lift.id, lift.version, About("Lifter", "theirs"))
-    filled.whole.add(empty.file())
+    filled.add(empty.file())
     told = filled.library.get(lift.id)[0]
     assert (told.name, told.notes, told.tags) == ("Lifter", "ours\n\ntheirs", [])
-    empty.whole.add(filled.file())
+    empty.add(filled.file())
     assert empty.library.get(lift.id)[0].notes == told.notes
     empty.library.describe(lift.id, theirs.version + 1, About("Lifter", "n" * 19_990))
     with pytest.raises(Rejected, match=r"design.notes is 'n.*; allowed: with those that the library has, up to 20,000"):
-        filled.whole.add(empty.file())
+        filled.add(empty.file())
     assert filled.library.get(lift.id)[0] == told
 
 
 def test_a_design_that_went_another_way_is_added_beside(filled: Place, empty: Place) -> None:
-    empty.whole.add(filled.file())
+    empty.add(filled.file())
     [lift] = filled.library.search("lift")[1]
     filled.library.save(lift.id, lift.version, design(move__steps=7), "theirs")
     filled.records.add(lift.id, 3, "trace", {"ticks": []})
     mine = empty.library.save(lift.id, lift.version, design(move__steps=8), "mine")
-    made = empty.whole.add(filled.file())
+    made = empty.add(filled.file())
     assert (made.copies, made.designs, made.revisions, made.records) == (["Lift"], 1, 3, 1)
     assert empty.library.get(lift.id)[0] == mine
     [copy] = [each for each in empty.library.search("lift")[1] if each.id != lift.id]
     assert [each.note for each in empty.library.get(copy.id)[1]] == ["theirs", "second", "first"]
     assert [each.revision for each in empty.records.all(copy.id)] == [3]
     # The same file once more makes no other copy.
-    again = empty.whole.add(filled.file())
+    again = empty.add(filled.file())
     assert (again.copies, again.designs, again.revisions, again.records) == ([], 0, 0, 0)
 
 
 def test_a_device_was_seen_first_and_last_by_either(filled: Place, empty: Place) -> None:
     empty.history.note_device(replace(GRBL, port="/dev/ttyUSB7"))
-    empty.whole.add(filled.file())
+    empty.add(filled.file())
     [told] = empty.history.devices()
     [theirs] = filled.history.devices()
     assert (told.first_seen_at, told.port, told.pushes) == (theirs.first_seen_at, "/dev/ttyUSB7", 2)
@@ -214,6 +219,8 @@ def changed(line: dict[str, Any], **values: object) -> dict[str, Any]:
     [
         (lambda _: b"", "file is ''; allowed: a library that StepRamp has saved"),
         (lambda _: b"\n\n", "a library that StepRamp has saved"),
+        (lambda whole: whole + b"{}", "allowed: a whole file: its last line"),
+        (lambda whole: whole[:-1] + b" " * 9_000_000, r"lines.1[0-9] is .*; allowed: a line of up to 8,388,608 bytes"),
         (lambda _: b"\xff\x00" * 5000, "a library that StepRamp has saved"),
         (lambda _: b"[" * 100_000, "a library that StepRamp has saved"),
         (lambda whole: whole[:-1000], "allowed: a whole file: its last line"),
@@ -245,5 +252,5 @@ def test_what_is_no_whole_library_changes_nothing(
     empty.library.add(design(), About("Mine"))
     before = empty.all()
     with pytest.raises(Rejected, match=words):
-        empty.whole.add(content(filled.file()))
+        empty.add(content(filled.file()))
     assert empty.all() == before

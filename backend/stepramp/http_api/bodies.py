@@ -3,12 +3,13 @@
 A large body is parsed and validated in a thread: both take so long that a STOP would wait for them.
 """
 
+import asyncio
 from collections import Counter
-from collections.abc import Callable, Coroutine, Iterable, Iterator
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from inspect import signature
-from typing import Any, get_args, get_origin
+from typing import Any, BinaryIO, get_args, get_origin
 
 from fastapi import Request
 from fastapi.routing import APIRoute
@@ -34,6 +35,9 @@ MOST_FILE_BYTES = 2**28
 """Size of the largest file [bytes]."""
 MOST_TAKEN_BYTES = 2**30
 """So much of a file that is too large is taken before it is refused [bytes]."""
+MOST_LIBRARY_BYTES = 2**31
+"""Size of the largest file with a library: it is on the disk, not in memory [bytes]."""
+WRITTEN_AT_ONCE_BYTES = 2**20
 JSON_TYPE = "application/json"
 JSON_CHARSETS = {"utf-8", "utf8", "us-ascii"}
 """What JSON may say that it is in: it is read as UTF-8, of which US-ASCII is a part."""
@@ -42,12 +46,17 @@ LARGE_BYTES = 16_384
 """What is larger is parsed and validated in a thread [bytes]."""
 MOST_TOGETHER_BYTES = 32_000_000
 """Size of all larger bodies together, of those that are coming in and of those that are not answered yet [bytes]."""
-OF_FILES: dict[int | str, dict[str, Any]] = {
-    400: {"model": ErrorList, "description": "The body ended early"},
-    413: {"model": ErrorList, "description": f"The body is larger than {MOST_FILE_BYTES:,} bytes"},
-    415: {"model": ErrorList, "description": f"The body is not {FILE_TYPE}, or compressed"},
-}
-"""The same for files."""
+
+
+def of_files(most_bytes: int) -> dict[int | str, dict[str, Any]]:
+    """Return what is answered to a file that is not even looked at."""
+    return {
+        400: {"model": ErrorList, "description": "The body ended early"},
+        413: {"model": ErrorList, "description": f"The body is larger than {most_bytes:,} bytes"},
+        415: {"model": ErrorList, "description": f"The body is not {FILE_TYPE}, or compressed"},
+    }
+
+
 OF_BODIES: dict[int | str, dict[str, Any]] = {
     400: {"model": ErrorList, "description": "The body ended early"},
     413: {"model": ErrorList, "description": f"The body is larger than {MOST_BYTES:,} bytes"},
@@ -146,9 +155,15 @@ class JsonRoute(APIRoute):
 
 
 class FileRoute(JsonRoute):
-    """A route whose body is a file."""
+    """A route whose body is a file, in memory."""
 
     room = Room(2 * MOST_FILE_BYTES)
+
+
+class LibraryFileRoute(JsonRoute):
+    """A route whose body is a file with a library, on the disk."""
+
+    room = Room(2 * MOST_LIBRARY_BYTES)
 
 
 def refuse_repeated(given: QueryParams | Headers, names: Iterable[str]) -> None:
@@ -160,7 +175,7 @@ def refuse_repeated(given: QueryParams | Headers, names: Iterable[str]) -> None:
 
 async def read_body(request: Request) -> bytes:
     """Return the body of a JsonRoute's request; it raises what _parts_of raises."""
-    return b"".join(await _parts_of(request, MOST_BYTES, MOST_BYTES))
+    return b"".join([part async for part in _parts_of(request, MOST_BYTES, MOST_BYTES)])
 
 
 async def read_file_body(request: Request) -> list[bytes]:
@@ -171,18 +186,36 @@ async def read_file_body(request: Request) -> list[bytes]:
     """
     _refuse_other_types(request, FILE_TYPE)
     _refuse_encodings(request)
-    return await _parts_of(request, MOST_FILE_BYTES, MOST_TAKEN_BYTES)
+    return [part async for part in _parts_of(request, MOST_FILE_BYTES, MOST_TAKEN_BYTES)]
 
 
-async def _parts_of(request: Request, most_bytes: int, most_taken_bytes: int) -> list[bytes]:
-    """Return a body in parts.
+async def write_library_body(request: Request, file: BinaryIO) -> None:
+    """Write the body of a LibraryFileRoute's request into a file.
+
+    Raises OSError where that can't be written, and else as read_file_body.
+    """
+    _refuse_other_types(request, FILE_TYPE)
+    _refuse_encodings(request)
+    parts: list[bytes] = []
+    size = 0
+    async for part in _parts_of(request, MOST_LIBRARY_BYTES, MOST_LIBRARY_BYTES + MOST_TAKEN_BYTES):
+        parts.append(part)
+        size += len(part)
+        if size >= WRITTEN_AT_ONCE_BYTES:
+            # In a thread: where the disk can't keep up, the system lets whoever writes wait.
+            await asyncio.to_thread(file.writelines, parts)
+            parts, size = [], 0
+    await asyncio.to_thread(file.writelines, parts)
+
+
+async def _parts_of(request: Request, most_bytes: int, most_taken_bytes: int) -> AsyncIterator[bytes]:
+    """Yield a body in parts.
 
     Raises HTTPException with status 413 when it is too large, without reading more than is to be taken, and 400 when it
     ends early; Overloaded when it has no room beside other large ones.
     """
     take_room: Callable[[int], None] = request.scope[_TAKE]
     declared = request.headers.get("content-length", "")
-    parts: list[bytes] = []
     size = int(declared) if declared.isdecimal() and len(declared) < 20 else 0
     try:
         if size <= most_taken_bytes:
@@ -191,16 +224,13 @@ async def _parts_of(request: Request, most_bytes: int, most_taken_bytes: int) ->
                 size += len(part)
                 if size > most_taken_bytes:
                     break
-                if size > most_bytes:
-                    parts.clear()
-                else:
-                    parts.append(part)
+                if size <= most_bytes:
                     take_room(size)
+                    yield part
     except ClientDisconnect:
         raise HTTPException(400, "The request's body ended early.") from None
     if size > most_bytes:
         raise HTTPException(413, f"The request's body is too large; allowed: up to {most_bytes:,} bytes.")
-    return parts
 
 
 class _WithDocument(Request):

@@ -11,7 +11,7 @@ from starlette.datastructures import QueryParams
 from stepramp.capture.analysis import analysed
 from stepramp.capture.formats.files import read_file
 from stepramp.errors import Rejected, Rejection
-from stepramp.http_api.bodies import FILE_TYPE, MOST_FILE_BYTES, OF_FILES, FileRoute, read_file_body, refuse_repeated
+from stepramp.http_api.bodies import FILE_TYPE, MOST_FILE_BYTES, FileRoute, of_files, read_file_body, refuse_repeated
 from stepramp.http_api.capture_models import PARAMETERS, CaptureAnswer, CapturePayload
 from stepramp.http_api.lanes import CAPTURING
 from stepramp.http_api.planned import Planned, Wanted
@@ -30,7 +30,9 @@ _FILE: dict[str, Any] = {
 }
 
 
-@router.post("/capture", responses=OF_FILES, openapi_extra={"requestBody": _FILE, "parameters": PARAMETERS})
+@router.post(
+    "/capture", responses=of_files(MOST_FILE_BYTES), openapi_extra={"requestBody": _FILE, "parameters": PARAMETERS}
+)
 async def capture(request: Request) -> Planned[CaptureAnswer]:
     """Show the steps that a logic analyser captured, and how far they are from those of a design.
 

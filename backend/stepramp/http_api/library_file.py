@@ -1,6 +1,8 @@
 """Routes over the library as one file."""
 
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from os import SEEK_END
 from typing import Any, BinaryIO
@@ -9,18 +11,25 @@ from fastapi import APIRouter, Request
 from starlette.responses import StreamingResponse
 from starlette.types import Receive, Scope, Send
 
-from stepramp.http_api.bodies import FILE_TYPE, MOST_FILE_BYTES, OF_FILES, FileRoute, read_file_body
-from stepramp.http_api.lanes import LIBRARY
+from stepramp.errors import Unavailable
+from stepramp.http_api.bodies import (
+    FILE_TYPE,
+    MOST_LIBRARY_BYTES,
+    LibraryFileRoute,
+    of_files,
+    write_library_body,
+)
+from stepramp.http_api.lanes import LIBRARY_FILES
 from stepramp.http_api.library_models import ImportedAnswer
 from stepramp.library.whole import Whole
 
-router = APIRouter(prefix="/library", tags=["library"], route_class=FileRoute)
+router = APIRouter(prefix="/library", tags=["library"], route_class=LibraryFileRoute)
 
 NAME = "stepramp-library.jsonl"
 PIECE_BYTES = 65_536
 _FILE: dict[str, Any] = {
     "required": True,
-    "description": f"The file, of up to {MOST_FILE_BYTES:,} bytes",
+    "description": f"The file, of up to {MOST_LIBRARY_BYTES:,} bytes",
     "content": {FILE_TYPE: {"schema": {"type": "string", "format": "binary"}}},
 }
 _AS_FILE: dict[int | str, dict[str, Any]] = {
@@ -51,26 +60,39 @@ class _Copy(StreamingResponse):
 @router.get("/file", response_class=StreamingResponse, responses=_AS_FILE)
 async def library_as_file(request: Request) -> StreamingResponse:
     """Return all of the library as one file: designs with revisions and records, devices, and pushes."""
-    file: BinaryIO = tempfile.TemporaryFile()  # noqa: SIM115  # closed once it is sent
-    try:
-        await LIBRARY.run(lambda: file.writelines(_whole(request).lines()))
-    except BaseException:
-        file.close()  # Also when whoever asked has gone: the writing ends by it.
-        raise
+    with _roomless():
+        file: BinaryIO = tempfile.TemporaryFile()  # noqa: SIM115  # closed once it is sent
+        try:
+            await LIBRARY_FILES.run(lambda: file.writelines(_whole(request).lines()))
+        except BaseException:
+            file.close()  # Also when whoever asked has gone: the writing ends by it.
+            raise
     return _Copy(file)
 
 
-@router.post("/import", responses=OF_FILES, openapi_extra={"requestBody": _FILE})
+@router.post("/import", responses=of_files(MOST_LIBRARY_BYTES), openapi_extra={"requestBody": _FILE})
 async def add_file(request: Request) -> ImportedAnswer:
     """Add what such a file has and the library hasn't: all of it, or, where something of it can't be, nothing.
 
     Nothing is overwritten: a design that has gone another way in the library is added beside it.
     """
-    parts = await read_file_body(request)
-    return await LIBRARY.run(partial(_added, _whole(request), parts))
+    with _roomless(), tempfile.TemporaryFile() as file:
+        await write_library_body(request, file)
+        return await LIBRARY_FILES.run(partial(_added, _whole(request), file))
 
 
-def _added(whole: Whole, parts: list[bytes]) -> ImportedAnswer:
-    content = b"".join(parts)
-    parts.clear()
-    return ImportedAnswer.model_validate(whole.add(content))
+def _added(whole: Whole, file: BinaryIO) -> ImportedAnswer:
+    return ImportedAnswer.model_validate(whole.add(file))
+
+
+@contextmanager
+def _roomless() -> Iterator[None]:
+    """Have it said when there is no room for the file."""
+    try:
+        yield
+    except OSError as error:
+        folder = tempfile.gettempdir()
+        raise Unavailable(
+            f"The server can't keep the file while it is read or sent ({error.strerror}, in {folder}): nothing was "
+            "changed. Make room, and ask again."
+        ) from error

@@ -50,8 +50,12 @@ class Database:
     def reading(self) -> Iterator[Connection]:
         """Yield a connection that sees one moment; it raises Unavailable when the database can't be used."""
         # In a transaction SQLite shows nothing else.
-        options = {} if self._url is None else {"isolation_level": "REPEATABLE READ"}
-        with self._unavailable(), self._opened().connect().execution_options(**options) as connection, connection.begin():
+        how = {} if self._url is None else {"isolation_level": "REPEATABLE READ"}
+        with (
+            self._unavailable(),
+            self._opened().connect().execution_options(**how) as connection,
+            connection.begin(),
+        ):
             yield connection
 
     @contextmanager
@@ -60,8 +64,11 @@ class Database:
 
         Once it is left without an exception, what was written outlasts a power cut.
         """
-        options = {"writes": True}
-        with self._unavailable(), self._opened().connect().execution_options(**options) as connection, connection.begin():
+        with (
+            self._unavailable(),
+            self._opened().connect().execution_options(writes=True) as connection,
+            connection.begin(),
+        ):
             yield connection
 
     def close(self) -> None:

@@ -8,7 +8,7 @@ import hashlib
 import json
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, BinaryIO
 
 from sqlalchemy import Connection, RowMapping, Table, insert, select, update
 
@@ -69,14 +69,14 @@ class Whole:
                 yield line
         yield as_text({"end": {"lines": count, "sha256": digest.hexdigest()}}).encode() + b"\n"
 
-    def add(self, content: bytes) -> Imported:
+    def add(self, file: BinaryIO) -> Imported:
         """Add what a file has and the library hasn't: all of it, or nothing.
 
         A design that is there gets the revisions that follow those it has, and what the file says of it beyond what is
         said there; where it has other revisions, that of the file is added as a design of its own. Raises Rejected,
         naming the line, for a file that isn't whole or not such a one, and for notes or tags that are too many.
         """
-        lines = whole_lines(content)
+        lines = whole_lines(file)
         with self._database.writing() as connection:
             return _Import(connection).add(checked_lines(lines))
 

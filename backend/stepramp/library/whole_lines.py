@@ -2,10 +2,11 @@
 
 import hashlib
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from datetime import datetime
-from typing import Annotated, Any, Literal, TypeVar
+from itertools import islice, repeat
+from typing import Annotated, Any, BinaryIO, Literal, TypeVar
 
 from pydantic import AfterValidator
 
@@ -19,6 +20,8 @@ FORMAT = "stepramp_library"
 VERSION = 1
 MORE_VALUES = 100
 """Around a document its line has so many more at most."""
+MOST_LINE_BYTES = 2**23
+"""No document that the library keeps takes as much; what takes more to parse would keep a STOP waiting [bytes]."""
 MOST_NOTES = 20_000
 """[characters]"""
 MOST_TAGS = 30
@@ -140,29 +143,49 @@ KINDS: dict[str, type[Line]] = {
 }
 
 
-def whole_lines(content: bytes) -> list[bytes]:
+def whole_lines(file: BinaryIO) -> Iterator[bytes]:
     """Return the lines between the first and the last; Rejected for what is no such file, or not a whole one.
 
-    Lines may end with CRLF, as some mail and editors have them: within a line JSON has neither character.
+    Lines may end with CRLF, as some mail and editors have them: within a line JSON has neither character. The file is
+    read twice, since all of it has to be whole before any of it is used.
     """
-    content = content.replace(b"\r\n", b"\n")
-    *lines, end = content.rstrip(b"\n").split(b"\n") if content.strip() else [b""]
-    head = _read(lines[0] if lines else end)
+    lines = _lines(file)
+    last = next(lines, b"")
+    head = _read(last)
     if not isinstance(head, dict) or FORMAT not in head:
-        raise _refused(content[:100].decode("utf-8", "replace"), "a library that StepRamp has saved as a file")
+        raise _refused(last[:100].decode("utf-8", "replace"), "a library that StepRamp has saved as a file")
     if head[FORMAT] != VERSION:
         raise Rejected([Rejection(f"lines.1.{FORMAT}", head[FORMAT], f"{VERSION}: the file is of a newer StepRamp")])
-    told = _read(end)
-    digest = hashlib.sha256(b"".join(line + b"\n" for line in lines)).hexdigest()
-    if told != {"end": {"lines": len(lines), "sha256": digest}}:
+    digest, count = hashlib.sha256(), 0
+    for line in lines:
+        digest.update(last + b"\n")
+        last, count = line, count + 1
+    if _read(last) != {"end": {"lines": count, "sha256": digest.hexdigest()}}:
         raise _refused(
-            f"{len(lines) + 1:,} lines",
+            f"{count + 1:,} lines",
             "a whole file: its last line doesn't fit those before, so it was cut or changed",
         )
-    return lines[1:]
+    return islice(_lines(file), 1, count)
 
 
-def checked_lines(lines: Sequence[bytes]) -> Iterator[Line]:
+def _lines(file: BinaryIO) -> Iterator[bytes]:
+    """Yield the lines without what ends them, and without empty ones at the end."""
+    file.seek(0)
+    empty = 0
+    for number, line in enumerate(iter(lambda: file.readline(MOST_LINE_BYTES + 1), b""), start=1):
+        if len(line) > MOST_LINE_BYTES:
+            allowed = f"a line of up to {MOST_LINE_BYTES:,} bytes"
+            raise Rejected([Rejection(f"lines.{number}", line[:100].decode("utf-8", "replace"), allowed)])
+        told = line.removesuffix(b"\n").removesuffix(b"\r")
+        if not told:
+            empty += 1
+            continue
+        yield from repeat(b"", empty)
+        empty = 0
+        yield told
+
+
+def checked_lines(lines: Iterable[bytes]) -> Iterator[Line]:
     """Yield what lines say; Rejected, naming the line and the field, for what can't be."""
     for number, line in enumerate(lines, start=2):
         try:
