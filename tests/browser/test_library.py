@@ -44,13 +44,19 @@ class Library:
         [found] = self.stepramp.ask(self.stepramp.url, "POST", "library/search", {"text": name})["designs"]
         return dict(found)
 
-    def save_elsewhere(self, name: str, note: str) -> None:
-        """Save the same again as somebody else does."""
+    def newest(self, name: str) -> dict[str, Any]:
+        """Return the design of the newest revision."""
         kept = self.design(name)
-        revisions = f"library/designs/{kept['id']}/revisions"
-        newest = self.stepramp.ask(self.stepramp.url, "GET", f"{revisions}/{kept['revisions']}")
-        route = f"{self.stepramp.url}api/v1/{revisions}"
-        content = json.dumps({"design": newest["design"], "note": note}).encode()
+        route = f"library/designs/{kept['id']}/revisions/{kept['revisions']}"
+        return dict(self.stepramp.ask(self.stepramp.url, "GET", route)["design"])
+
+    def save_elsewhere(self, name: str, note: str) -> None:
+        """Save a longer move as somebody else does."""
+        kept = self.design(name)
+        route = f"{self.stepramp.url}api/v1/library/designs/{kept['id']}/revisions"
+        longer = self.newest(name)
+        longer["move"]["steps"] += 1
+        content = json.dumps({"design": longer, "note": note}).encode()
         headers = {"Content-Type": "application/json", "If-Match": f'"{kept["version"]}"'}
         urllib.request.urlopen(urllib.request.Request(route, content, headers, method="POST"), timeout=60).close()
 
@@ -123,9 +129,12 @@ def test_two_editors_are_told_of_each_other_and_nothing_is_overwritten(library: 
     conflict.get_by_role("button", name="Open theirs beside mine").click()
     expect(library.note).to_contain_text("Theirs is another axis now")
     until(lambda: len(stepramp.kept()["machine"]["axes"]) == 2)
-    page.locator("#head-undo").click()
+    mine, theirs = (axis["move"]["steps"] for axis in stepramp.kept()["machine"]["axes"])
+    assert theirs == mine + 1
     conflict.get_by_role("button", name="Save mine as revision 4").click()
     expect(library.note).to_have_text("Saved as revision 4 of “Panel stage”.")
+    assert library.newest("Panel stage")["move"]["steps"] == mine
+    page.locator("#head-undo").click()
     expect(page.locator(".library-rows").first.locator("li .library-said")).to_have_text(
         ["mine", "from the bench", "faster", "first"]
     )

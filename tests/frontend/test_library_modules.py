@@ -219,15 +219,47 @@ def test_what_gives_way_to_a_fifth_pinned_revision_is_told(modules: Modules) -> 
 def test_a_save_says_which_version_it_is_of_and_who_was_quicker_is_heard(modules: Modules) -> None:
     seen = desk(
         modules,
-        """const first = await actions.saveRevision('one'); const seen = [asked.at(-1)[0], links()[5].version];
-        const second = await actions.saveRevision('two');
+        """const save = (...more) => actions.saveRevision(actions.inHand(), ...more);
+        const first = await save('one'); const seen = [asked.at(-1)[0], links()[5].version];
+        const second = await save('two');
         seen.push(asked.at(-1).slice(0, 3), links()[5].number, links()[5].version);
         answers.save = quicker;
-        const third = await actions.saveRevision('three'); seen.push(Object.keys(third), links()[5].version);
-        actions.follow({...kept, version: 9}); answers.save = async () => kept;
-        await actions.saveRevision('three'); return [...seen, asked.at(-1)[2]];""",
+        const third = await save('three'); seen.push(Object.keys(third), links()[5].version);
+        answers.save = async () => kept;
+        await save('three', {...kept, version: 9}); return [...seen, asked.at(-1)[2]];""",
     )
     assert seen == ["add", 1, ["save", "a", 1], 3, 7, ["conflict"], 7, 9]
+
+
+# Mine is looked at, and another axis is in hand when it is saved: beside it, or in its place.
+@pytest.mark.parametrize(
+    ("happens", "name", "linked"),
+    [
+        ("", "A", [5]),
+        ("store.dispatch(work.setName, 'Renamed');", "Renamed", [5]),
+        ("store.dispatch(work.choose, 7);", "A", [5]),
+        ("await actions.openRevision(kept, 2, 'beside');", "A", [5, "new"]),
+        ("await actions.openRevision(kept, 2, 'axis');", "A", [5, "new"]),
+        ("await actions.openRevision(kept, 2, 'all');", "A", [5, "new"]),
+    ],
+)
+@pytest.mark.parametrize("how", ["saveRevision(mine, 'note', {...kept, version: 9})", "saveNew(mine, {})"])
+def test_what_was_to_be_saved_is_saved_whatever_is_in_hand_by_then(
+    modules: Modules, happens: str, name: str, linked: list[object], how: str
+) -> None:
+    saved, known = desk(
+        modules,
+        f"""store.dispatch(link, 5, {{...kept, number: 2, version: 4, design}});
+        const mine = actions.inHand();
+        {happens}
+        await actions.{how};
+        const given = asked.at(-1);
+        return [given.find((one) => one?.move).name,
+            Object.entries(links()).map(([axis, {{version}}]) => [Number(axis), version])];""",
+    )
+    assert saved == name
+    ids = [axis if axis in (5, 7) else "new" for axis, _ in known]
+    assert ids == linked
 
 
 @pytest.mark.parametrize(

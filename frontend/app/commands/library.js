@@ -18,8 +18,8 @@ const knowing = (state, known) => ({ ...state, library: { ...state.library, ...k
  * @param {State} state @param {number} axis its id @param {Link} link @returns {State} */
 export function link(state, axis, link) {
   const ids = state.history ? idsOf(state.history) : new Set();
-  const known = Object.entries(state.library.links).filter(([id]) => ids.has(Number(id)));
-  return knowing(state, { links: { ...Object.fromEntries(known), [axis]: link } });
+  const links = Object.entries({ ...state.library.links, [axis]: link }).filter(([id]) => ids.has(Number(id)));
+  return knowing(state, { links: Object.fromEntries(links) });
 }
 
 /** The newest of a design is known anew: who saves next, saves a change of that.

@@ -25,6 +25,8 @@ import { createQuestion } from './question.js';
 /** @typedef {import('../../model/library.js').RecordKind} RecordKind */
 /** @typedef {import('../../model/types.js').Answer} Answer */
 /** @typedef {import('../../model/types.js').Design} Design */
+/** What somebody wants to save: an axis by its id, its design, and the revision that it began with.
+ * @typedef {{axis: number, design: Design, linked: Link | null}} Mine */
 /** Where a design is opened to: in the place of all that is in hand, of the axis in hand, or as another axis.
  * @typedef {'all' | 'axis' | 'beside'} Where */
 
@@ -62,8 +64,16 @@ export function createLibrary({ state, dispatch, subscribe }, documents, ask = l
     return kept;
   }
 
+  /** What is to be saved, which may not be in hand by then: its axis as it is now; as it was, where the axis is gone.
+   * @param {Mine} mine @returns {Mine} */
+  function present(mine) {
+    const machine = machineOf(state());
+    const place = machine?.ids.indexOf(mine.axis) ?? -1;
+    return machine === null || place < 0 ? mine : { axis: mine.axis, design: machine.axes[place], linked: state().library.links[mine.axis] ?? null };
+  }
+
   /** The axis in hand, its design, and the revision that it began with.
-   * @returns {{axis: number, design: Design, linked: Link | null}} */
+   * @returns {Mine} */
   function inHand() {
     const [axis, design] = [axisOf(state()), designOf(state())];
     if (axis === null || design === null) throw new Refusal(0, [{ field: null, value: null, allowed: null, message: 'There is no design in hand yet.' }]);
@@ -133,29 +143,26 @@ export function createLibrary({ state, dispatch, subscribe }, documents, ask = l
       }
       return { device, at };
     },
-    /** Save the design in hand as a new one of the library.
-     * @param {About & {note: string}} about */
-    async saveNew(about) {
-      const { axis, design } = inHand();
+    inHand,
+    /** Save a design as a new one of the library.
+     * @param {Mine} mine @param {About & {note: string}} about */
+    async saveNew(mine, about) {
+      const { axis, design } = present(mine);
       return saved(axis, design, () => ask.add(design, about));
     },
-    /** Save the design in hand as another revision of the one that it began with.
-     * @param {string} note @returns {Promise<{kept: Kept} | {conflict: KeptWithRevisions}>} conflict: somebody else changed it meanwhile */
-    async saveRevision(note) {
-      const { axis, design, linked } = inHand();
-      if (linked === null) return { kept: await this.saveNew({ name: design.name || 'unnamed', notes: '', tags: [], note }) };
+    /** Save a design as another revision of the one that it began with.
+     * @param {Mine} mine @param {string} note @param {Kept} [seen] the newest that a person has seen, if not that it began with
+     * @returns {Promise<{kept: Kept} | {conflict: KeptWithRevisions}>} conflict: somebody else changed it meanwhile */
+    async saveRevision(mine, note, seen) {
+      const { axis, design, linked } = present(mine);
+      const of = seen ?? linked;
+      if (of === null) return { kept: await this.saveNew(mine, { name: design.name || 'unnamed', notes: '', tags: [], note }) };
       try {
-        return { kept: await saved(axis, design, () => ask.save(linked.id, linked.version, design, note)) };
+        return { kept: await saved(axis, design, () => ask.save(of.id, of.version, design, note)) };
       } catch (error) {
         if (!(error instanceof Refusal) || error.status !== CHANGED_MEANWHILE) throw error;
-        return { conflict: await ask.design(linked.id) };
+        return { conflict: await ask.design(of.id) };
       }
-    },
-    /** The design in hand is to follow the newest of the library, which a person has seen.
-     * @param {KeptWithRevisions} newest */
-    follow(newest) {
-      const { axis } = inHand();
-      dispatch(relink, axis, { name: newest.name, version: newest.version });
     },
     /** What is known of a design anew: axes that began with it follow where it is only described otherwise.
      * @param {Kept} kept @param {number} before its version then */

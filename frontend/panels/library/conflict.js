@@ -7,20 +7,22 @@ import { button } from './rows.js';
 
 /** @typedef {import('../../model/library.js').KeptWithRevisions} KeptWithRevisions */
 /** @typedef {import('../../model/library.js').Link} Link */
+/** @typedef {import('../../app/effects/library.js').Mine} Mine */
 
-/** @param {{openTheirs: (theirs: KeptWithRevisions) => void, saveMine: (theirs: KeptWithRevisions, note: string) => void,
- *   saveCopy: (theirs: KeptWithRevisions, note: string) => void, look: (theirs: KeptWithRevisions) => void}} act */
+/** @param {{openTheirs: (theirs: KeptWithRevisions) => void, saveMine: (mine: Mine, theirs: KeptWithRevisions, note: string) => void,
+ *   saveCopy: (mine: Mine, theirs: KeptWithRevisions, note: string) => void, look: (theirs: KeptWithRevisions) => void}} act */
 export function createConflict({ openTheirs, saveMine, saveCopy, look }) {
   const root = element('div', { className: 'library-conflict', id: 'library-conflict', role: 'alert' });
   return {
     element: root,
-    /** @param {KeptWithRevisions} theirs @param {Link} link @param {string} note of mine @param {boolean} isRoom for another axis */
-    show(theirs, link, note, isRoom) {
+    /** @param {Mine} mine whatever is in hand when a choice is made @param {KeptWithRevisions} theirs @param {Link} link
+     * @param {string} note of mine @param {boolean} isRoom for another axis */
+    show(mine, theirs, link, note, isRoom) {
       const choices = /** @type {[string, string, () => void][]} */ ([
         ...(isRoom ? [['Open theirs beside mine', 'As another axis, to look at both; mine stays as it is', () => openTheirs(theirs)]] : []),
         ['See what they changed', 'Their revisions, and what these differ in', () => look(theirs)],
-        [`Save mine as revision ${theirs.revisions + 1}`, 'On top of theirs, which stays as it is', () => saveMine(theirs, note)],
-        ['Save mine as a copy', 'As a design of its own', () => saveCopy(theirs, note)],
+        [`Save mine as revision ${theirs.revisions + 1}`, 'On top of theirs, which stays as it is', () => saveMine(mine, theirs, note)],
+        ['Save mine as a copy', 'As a design of its own', () => saveCopy(mine, theirs, note)],
       ]);
       root.replaceChildren(
         element('h3', { textContent: 'Somebody else was quicker' }),

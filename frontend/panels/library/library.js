@@ -28,6 +28,7 @@ import { createSaving } from './saving.js';
 
 /** @typedef {import('../../model/library.js').About} About */
 /** @typedef {import('../../model/library.js').Kept} Kept */
+/** @typedef {import('../../app/effects/library.js').Mine} Mine */
 /** @typedef {import('../../model/library.js').KeptRecord} KeptRecord */
 /** @typedef {import('../../model/library.js').KeptWithRevisions} KeptWithRevisions */
 /** @typedef {'designs' | 'pushes'} Page */
@@ -74,11 +75,8 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
   const conflict = createConflict({
     openTheirs: (theirs) => told(() => act.openRevision(theirs, theirs.revisions, 'beside'), 'Theirs is another axis now; mine is the axis before it, and is saved nowhere yet.'),
     look: ({ id }) => look(id),
-    saveMine(theirs, note) {
-      act.follow(theirs);
-      saveRevision(note);
-    },
-    saveCopy: (theirs, note) => saveNew({ name: duplicateName(theirs.name), notes: theirs.notes, tags: theirs.tags, note }),
+    saveMine: (mine, theirs, note) => saveRevision(mine, note, theirs),
+    saveCopy: (mine, theirs, note) => saveNew(mine, { name: duplicateName(theirs.name), notes: theirs.notes, tags: theirs.tags, note }),
   });
   const pushes = createPushes({
     devices: async () => (await reached(() => server.devices()))?.devices ?? null,
@@ -239,7 +237,7 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     panes.dataset.pane = 'saving';
     for (const part of [empty, detail.element, conflict.element]) part.hidden = true;
     saving.element.hidden = false;
-    saving.begin(linkOf(state()), designOf(state())?.name ?? '');
+    saving.begin(act.inHand());
   }
 
   /** @param {string} text @param {Kept} kept @param {number} form how many were begun when it was to be saved */
@@ -249,24 +247,25 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     say(text);
   }
 
-  /** @param {About & {note: string}} about */
-  async function saveNew(about) {
+  /** @param {Mine} mine @param {About & {note: string}} about */
+  async function saveNew(mine, about) {
     const form = begun;
-    const kept = await reached(() => act.saveNew(about));
+    const kept = await reached(() => act.saveNew(mine, about));
     if (kept) await savedAs(`Saved as ${quoted(kept.name)}, revision 1.`, kept, form);
   }
 
-  /** @param {string} text of the revision */
-  async function saveRevision(text) {
-    const [linked, form] = [linkOf(state()), begun];
-    const answer = await reached(() => act.saveRevision(text));
+  /** @param {Mine} mine @param {string} text of the revision @param {Kept} [seen] what somebody else has saved, where that is known */
+  async function saveRevision(mine, text, seen) {
+    const form = begun;
+    const answer = await reached(() => act.saveRevision(mine, text, seen));
     if (answer === null) return;
     if ('kept' in answer) return savedAs(`Saved as revision ${answer.kept.revisions} of ${quoted(answer.kept.name)}.`, answer.kept, form);
+    const { linked } = mine;
     if (linked === null) return;
     if (form !== begun) return say(conflictText(answer.conflict, linked));
     showPane('conflict');
     say('');
-    conflict.show(answer.conflict, linked, text, (machineOf(state())?.axes.length ?? 0) < MOST_AXES);
+    conflict.show(mine, answer.conflict, linked, text, (machineOf(state())?.axes.length ?? 0) < MOST_AXES);
     handFocus(conflict.element.querySelector('button'));
   }
 

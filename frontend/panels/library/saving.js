@@ -7,16 +7,18 @@ import { element, segmented, showText } from '../../ui/dom.js';
 import { nameField, textArea, textField, whileSaving } from './rows.js';
 
 /** @typedef {import('../../model/library.js').About} About */
-/** @typedef {import('../../model/library.js').Link} Link */
+/** @typedef {import('../../app/effects/library.js').Mine} Mine */
 
-/** @param {{saveRevision: (note: string) => unknown, saveNew: (about: About & {note: string}) => unknown, onCancel: () => void}} act */
+/** @param {{saveRevision: (mine: Mine, note: string) => unknown, saveNew: (mine: Mine, about: About & {note: string}) => unknown,
+ *   onCancel: () => void}} act */
 export function createSaving({ saveRevision, saveNew, onCancel }) {
   /** @type {'revision' | 'new'} */
   let as = 'new';
-  /** @type {Link | null} */
-  let linked = null;
-  let ownName = '';
+  /** What is saved, whatever is in hand by then.
+   * @type {Mine | null} */
+  let mine = null;
   const choice = segmented('Save as', /** @type {['revision' | 'new', string][]} */ ([['revision', 'Another revision'], ['new', 'A new design']]), choose); // prettier-ignore
+  const heading = element('h3', {});
   const of = element('p', { className: 'muted', id: 'library-save-of' });
   const name = nameField('library-save-name');
   const tags = textField('library-save-tags', 'Tags, with commas between', { placeholder: 'x axis, quiet' });
@@ -27,7 +29,7 @@ export function createSaving({ saveRevision, saveNew, onCancel }) {
   const form = element(
     'form',
     { className: 'library-form', id: 'library-saving', onsubmit: submit, noValidate: true },
-    element('h3', { textContent: 'Save this design' }),
+    heading,
     choice.element,
     of,
     name.element,
@@ -41,11 +43,11 @@ export function createSaving({ saveRevision, saveNew, onCancel }) {
   function choose(wanted) {
     as = wanted;
     choice.press(as);
-    choice.element.hidden = linked === null;
+    choice.element.hidden = !mine?.linked;
     const isNew = as === 'new';
     for (const field of [name, tags, notes]) field.element.hidden = !isNew;
     if (!save.disabled) showText(save, saveText());
-    showText(of, isNew ? 'Kept as revision 1 of a design of its own.' : `Kept as the next revision of ${quoted(linked?.name ?? '')}; those before stay as they are.`);
+    showText(of, isNew ? 'Kept as revision 1 of a design of its own.' : `Kept as the next revision of ${quoted(mine?.linked?.name ?? '')}; those before stay as they are.`);
   }
 
   const saveText = () => (as === 'new' ? 'Save as new' : 'Save revision');
@@ -53,23 +55,25 @@ export function createSaving({ saveRevision, saveNew, onCancel }) {
   /** @param {SubmitEvent} event */
   function submit(event) {
     event.preventDefault();
-    const about = note.input.value.trim();
-    if (as === 'revision') return whileSaving(save, saveText, () => saveRevision(about));
-    if (!name.isGood(ownName)) return;
-    return whileSaving(save, saveText, () => saveNew({ name: name.input.value.trim(), tags: tagsOf(tags.input.value), notes: notes.input.value.trim(), note: about }));
+    if (mine === null) return;
+    const [saved, about] = [mine, note.input.value.trim()];
+    if (as === 'revision') return whileSaving(save, saveText, () => saveRevision(saved, about));
+    if (!name.isGood(saved.design.name ?? '')) return;
+    return whileSaving(save, saveText, () => saveNew(saved, { name: name.input.value.trim(), tags: tagsOf(tags.input.value), notes: notes.input.value.trim(), note: about }));
   }
 
   choose(as);
   return {
     element: form,
-    /** @param {Link | null} link what the design in hand began with @param {string} called the design's own name */
-    begin(link, called) {
-      linked = link;
-      ownName = called;
-      name.input.value = called;
+    /** @param {Mine} wanted */
+    begin(wanted) {
+      mine = wanted;
+      const { design, linked } = wanted;
+      showText(heading, `Save ${quoted(design.name || 'unnamed')}`);
+      name.input.value = design.name ?? '';
       tags.input.value = notes.input.value = note.input.value = '';
-      choose(link === null ? 'new' : 'revision');
-      (link === null ? name : note).input.focus();
+      choose(linked === null ? 'new' : 'revision');
+      (linked === null ? name : note).input.focus();
     },
   };
 }
