@@ -3,9 +3,6 @@
 
 /** @typedef {import('../model/types.js').Device} Device */
 
-/** Of a page whose link counts for nothing any more. */
-export const UNKNOWN_PAGE = 'The server was started anew, and knows this page no more: open the link that it printed';
-
 /** What to do about an axis of which it isn't known where it is. */
 export const SET_POSITION = 'Look where each axis is, then set its position under Jog.';
 

@@ -112,7 +112,8 @@ export function createStop({ devices, endMotions, hearStops }, tell) {
         // What was answered earlier says nothing of a later press that is not delivered.
         if (fate() === 'answered') tell(text);
       } catch (error) {
-        worsen('undelivered', `STOP did not get through: ${error instanceof Error ? error.message : error}. ${CUT_POWER}`);
+        const told = error instanceof Error ? error.message : String(error);
+        worsen('undelivered', `STOP did not get through: ${told.replace(/\.$/, '')}. ${CUT_POWER}`);
       } finally {
         timers.forEach(clearTimeout);
       }

@@ -26,7 +26,10 @@ const STOP_WITHIN_MS = 100;
 const MOST_REQUESTS = 4;
 /** The status of what is understood but can't be done. */
 export const UNPROCESSABLE = 422;
+/** The status of what is asked by whom the server doesn't know. */
 const UNAUTHORIZED = 401;
+/** Whoever asks by other programs is told of other ways. */
+export const UNKNOWN_PAGE = 'The server knows this page no more, as after a new start: open the link that it printed';
 export const NOT_FOUND = 404;
 /** The status of a change of what somebody else has changed meanwhile. */
 export const CHANGED_MEANWHILE = 412;
@@ -106,6 +109,7 @@ export async function request(method, path, body, manner = {}) {
 
 /** @param {number} status @param {any} answer */
 function refusalOf(status, answer) {
+  if (status === UNAUTHORIZED) return new Refusal(status, [rejection(`${UNKNOWN_PAGE}.`)]);
   return new Refusal(status, answer?.errors ?? [rejection(`The server answers with status ${status}.`)]);
 }
 
@@ -174,7 +178,7 @@ async function isUnknown() {
   try {
     await request('GET', 'access', undefined, { isUrgent: true });
   } catch (error) {
-    return error instanceof Refusal && error.status === UNAUTHORIZED;
+    return isOfUnknown(error);
   }
   return false;
 }
@@ -392,13 +396,15 @@ export const api = {
  * @param {import('./events.js').Stop} wanted @param {string} path @returns {Promise<{devices: Device[]}>} */
 async function stop(wanted, path) {
   const answered = new AbortController();
+  // A socket that is open is known to the server, whatever has become of this page's cookie.
+  const isFinal = (/** @type {unknown} */ error) => isNo(error) && !isOfUnknown(error);
   // A request that is still in line is never sent: it would stop what is asked for after this.
   const asRequest = request('POST', path, undefined, { ended: answered.signal, isUrgent: true });
   const refused = new Promise((_, reject) => {
-    asRequest.catch((error) => isNo(error) && reject(error));
+    asRequest.catch((error) => isFinal(error) && reject(error));
   });
   const isLate = new Promise((resolve) => {
-    asRequest.catch((error) => isNo(error) || resolve(null));
+    asRequest.catch((error) => isFinal(error) || resolve(null));
     setTimeout(resolve, STOP_WITHIN_MS);
   });
   const overEvents = isLate.then(() => {
@@ -415,14 +421,18 @@ async function stop(wanted, path) {
   }
 }
 
+/** @param {unknown} error */
+const isOfUnknown = (error) => error instanceof Refusal && error.status === UNAUTHORIZED;
+
 /** Whether the server understood, and will not do it however it is asked.
  * @param {unknown} error */
 export const isNo = (error) => error instanceof Refusal && error.status < SERVER_ERROR;
 
-/** Whether the same is to be asked again: nobody answers, or the server can't just now. What it fails at it would fail at again.
+/** Whether the same is to be asked again: nobody answers, or the server can't just now, or doesn't know who asks. What it fails
+ * at it would fail at again.
  * @param {unknown} error @returns {error is ServerGone | Refusal} */
 export const isForLater = (error) =>
-  error instanceof ServerGone || (error instanceof Refusal && error.status > SERVER_ERROR && error.status !== DEVICE_LOST);
+  error instanceof ServerGone || isOfUnknown(error) || (error instanceof Refusal && error.status > SERVER_ERROR && error.status !== DEVICE_LOST);
 
 /** @param {string} id */
 function device(id) {

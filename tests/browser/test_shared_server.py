@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from browser.server import Server
-from browser.stepramp_page import GUIDE_CLOSED, StepRampPage, until
+from browser.stepramp_page import GUIDE_CLOSED, SLEW_SPEED, StepRampPage, until
 
 
 @dataclass(frozen=True)
@@ -104,10 +104,16 @@ def test_a_server_that_began_anew_says_that_its_link_is_another(browser: Browser
         expect(state).to_have_text("Server gone: trying again…")
         server.start()
         expect(state).to_have_text("Server started anew: open the link that it printed")
-        expect(there.page.locator("#move-reason")).to_contain_text("knows this page no more: open the link")
-        # Whichever page of the browser opens it, all of them are known by it.
+        expect(there.page.locator("#move-reason")).to_contain_text(
+            "knows this page no more, as after a new start: open the link"
+        )
+        before = there.curves()
+        there.field(SLEW_SPEED).fill("777")
+        expect(there.page.locator(".stale-note").first).to_be_visible()
+        # Whichever page of the browser opens it, all of them are known by it, and what was asked for meanwhile comes.
         opened(context, link_of(SharedServer(server.url, server.said, tmp_path), "to operate"))
         expect(state).to_have_text("server connected")
+        until(lambda: there.curves() != before)
         context.close()
 
 

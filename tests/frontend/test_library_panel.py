@@ -70,12 +70,12 @@ def test_a_save_that_waits_is_shown_and_not_begun_twice(modules: Modules) -> Non
         """const {createSaving} = await import('/panels/library/saving.js');
         const saved = []; let done = () => {};
         const saving = createSaving({saveRevision() {}, onCancel() {},
-            saveNew: ({name}) => { saved.push(name); return new Promise((end) => { done = end; }); }});
+            saveNew: (_, {name}) => { saved.push(name); return new Promise((end) => { done = end; }); }});
         body.append(saving.element);
         const [form, button] = [byId('library-saving'), byId('library-save')];
         const look = () => [button.textContent, button.disabled, saved.length];
         const submit = () => form.onsubmit({preventDefault() {}});
-        saving.begin(null, 'Lift'); submit(); submit();
+        saving.begin({axis: 5, design: {name: 'Lift'}, linked: null}); submit(); submit();
         const seen = [look()];
         done(); await settled(); seen.push(look());
         byId('library-save-name').value = 'x'.repeat(101); submit(); seen.push(look(), textOf(form).includes('101'));
@@ -93,8 +93,9 @@ def test_what_is_said_of_a_slow_save_is_of_the_form_that_is_there_by_then(module
             saveNew: () => new Promise((end) => { done = end; })});
         body.append(saving.element);
         const button = byId('library-save'), seen = [], look = () => seen.push([button.textContent, button.disabled]);
-        saving.begin(null, 'Lift'); byId('library-saving').onsubmit({preventDefault() {}});
-        saving.begin({name: 'Lift'}, 'Lift'); look();
+        saving.begin({axis: 5, design: {name: 'Lift'}, linked: null});
+        byId('library-saving').onsubmit({preventDefault() {}});
+        saving.begin({axis: 5, design: {name: 'Lift'}, linked: {name: 'Lift'}}); look();
         done(); await settled(); look();
         return seen;""",
     )
@@ -113,7 +114,9 @@ PANEL = (
         answer[name] = () => done(value); answer.refuse = fail; });
     const there = {...state, devices: {...state.devices, role: 'operate', link: 'there'}};
     const store = {state: () => there, dispatch() {}};
-    const act = {saveNew: slow('saveNew', kept), saveRevision: slow('saveRevision', {kept}), described() {}};
+    const mine = {axis: 5, design: {name: 'Lift'}, linked: null};
+    const act = {inHand: () => mine, saveNew: slow('saveNew', kept), saveRevision: slow('saveRevision', {kept}),
+        described() {}};
     const server = {search: async () => ({count: 1, designs: [kept]}), design: async () => kept,
         records: async () => ({records: []}), pushes: async () => ({pushes: []}), describe: slow('describe', kept)};
     const panel = createLibraryPanel(store, act, server);

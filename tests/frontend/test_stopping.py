@@ -430,6 +430,9 @@ STOPPING = """async (happens) => {
         # The server's own no counts at once: it is the same over the other way, where nobody may answer.
         ([["answer", 409]], ["failed"], 0),
         ([["wait", 100], ["answer", 409]], ["open", "failed"], 1),
+        # Whoever asks isn't known any more, but the socket is open.
+        ([["answer", 401], ["tell"]], ["open", "granted"], 1),
+        ([["answer", 401], ["refuse"]], ["open", "failed"], 1),
     ],
 )
 def test_a_stop_is_granted_whichever_way_and_however_late_and_fails_once_no_way_is_left(

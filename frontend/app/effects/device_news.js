@@ -2,9 +2,9 @@
 // What the server tells of the devices, for as long as the page lives: their states, the moves they make, and whether
 // the server is there.
 
-import { api, Refusal, watchDevices } from '../../server/api.js';
+import { api, Refusal, UNKNOWN_PAGE, watchDevices } from '../../server/api.js';
 import { createEnded } from '../../devices/ended.js';
-import { shownState, UNKNOWN_PAGE } from '../../devices/state_words.js';
+import { shownState } from '../../devices/state_words.js';
 import { createFollower, measuredFrom, untilComplete } from '../../devices/traces.js';
 import { heard, linked, refused, showMeasured, traceCame } from '../commands/device.js';
 import { announce, urge } from '../commands/told.js';

@@ -172,7 +172,7 @@ export function createOverlay(tools) {
       remedy.classList.toggle('not-short', areDrawn);
       const words = staleness === 'unanswered' ? 'Earlier values' : 'Last valid values';
       reason.textContent = areDrawn ? words : 'No curves yet';
-      remedy.textContent = staleness === 'unanswered' ? ': the server does not answer' : ': correct what is marked';
+      remedy.textContent = staleness === 'unanswered' ? ': the server can’t be asked now' : ': correct what is marked';
     },
   };
 }
