@@ -21,7 +21,7 @@ from uvicorn.server import ServerState
 from event_loop import run
 from server_process import PATIENCE_S, ServerProcess
 from stepramp.errors import NotFound
-from stepramp.http_api.connections import DESCRIPTORS, Connection, Connections, Stage
+from stepramp.http_api.connections import DESCRIPTORS, STEADY_BYTES, Connection, Connections, Stage
 from stepramp.http_api.errors import error_response
 from stepramp.http_api.request_numbers import numbering
 from stepramp.http_api.server import Sockets
@@ -249,6 +249,28 @@ def test_what_does_not_come_to_its_end_ends(sent: bytes) -> None:
             # One that has come whole may take as long as it takes.
             served.answer_slow.set()
             assert await slow.is_answered()
+
+    run(work())
+
+
+def test_a_body_may_take_long_as_long_as_it_comes_steadily() -> None:
+    async def work() -> None:
+        served = Served(Connections(heard_within_s=FOREVER_S))
+        async with served.listening() as opened:
+            size = 3 * STEADY_BYTES
+            head = b"POST /quick HTTP/1.1\r\nHost: a\r\nContent-Length: %d\r\n\r\n" % size
+            client = await opened(head)
+            [taken] = served.taken
+            for _ in range(2):
+                served.let_time_pass()
+                client.writer.write(b"x" * STEADY_BYTES)
+                async with asyncio.timeout(PATIENCE_S):
+                    while taken._heard_bytes < STEADY_BYTES:
+                        await asyncio.sleep(0)
+                taken._end_when_late()
+                assert not taken.transport.is_closing()
+            taken._end_when_late()
+            assert await client.has_ended()
 
     run(work())
 

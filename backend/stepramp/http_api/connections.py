@@ -32,6 +32,8 @@ DESCRIPTORS = 1024
 no use: pyserial waits by `select`, which knows no descriptors from 1,024 on."""
 HEARD_WITHIN_S = 15.0
 """A connection that has sent nothing for so long, and a request that has not come whole, end within twice that [s]."""
+STEADY_BYTES = 100_000
+"""A request that brings so many in that time goes on: files take minutes. No head of a request has as many [bytes]."""
 
 NEW_S = 1.0
 """So long a connection that has sent nothing, only the begin of a request, or that was answered, is new [s]."""
@@ -160,6 +162,8 @@ class Connection(H11Protocol):
         self._connections = connections
         self._waits_since_s = self.loop.time()
         self._is_silent = True
+        self._heard_bytes = 0
+        """Since it was looked at whether it sends."""
         self._is_encrypted = self.config.is_ssl
         late = connections.come(self)
         # Nobody has sent a request, encrypted, before we have said hello.
@@ -189,6 +193,7 @@ class Connection(H11Protocol):
         if self.stage < Stage.BEGUN:
             self._waits_since_s = self.loop.time()
         self._is_silent = False
+        self._heard_bytes += len(data)
         super().data_received(data)
 
     def on_response_complete(self) -> None:
@@ -273,7 +278,9 @@ class Connection(H11Protocol):
         if not self.is_listening:
             return
         is_late = self.loop.time() - self._waits_since_s >= self._connections.heard_within_s
-        if is_late and self.stage in UNHEARD:
+        is_steady = self._heard_bytes >= STEADY_BYTES
+        self._heard_bytes = 0
+        if is_late and self.stage in UNHEARD and not is_steady:
             self.transport.abort()
         else:
             self._look_later()
