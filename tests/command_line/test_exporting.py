@@ -1,13 +1,17 @@
 import json
+import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+import stepramp
 from designs import document
 from stepramp.command_line import files
 from stepramp.command_line.main import main
 from stepramp.http_api import bodies
+
+BACKEND = Path(stepramp.__file__).parents[1]
 
 
 def test_a_design_is_exported_to_a_file(tmp_path: Path) -> None:
@@ -36,6 +40,31 @@ def test_a_design_is_read_in_whatever_encoding_an_editor_saved_it(tmp_path: Path
 def test_a_file_without_an_end_is_no_design(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["export", "csv", "/dev/zero", "-"]) == 2
     assert "(it is larger than 2,000,000 bytes)" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="has no limit of a file's size")
+def test_what_was_there_before_stays_when_a_file_can_t_be_written_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("steps.csv").write_text("before")
+    Path("steps.csv").chmod(0o640)
+    Path("link.csv").symlink_to("steps.csv")
+    script = f"""
+import resource, signal, sys
+sys.path.insert(0, {str(BACKEND)!r})
+from stepramp.command_line.files import write
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
+write("link.csv", b"x" * int(sys.argv[1]))
+"""
+    told = subprocess.run([sys.executable, "-c", script, "6000"], capture_output=True, text=True, check=False).stderr
+    assert "FILE is 'link.csv'; allowed: a file that can be written (File too large)" in told
+    assert Path("steps.csv").read_text() == "before"
+    subprocess.run([sys.executable, "-c", script, "4000"], check=True)
+    assert Path("steps.csv").read_text() == "x" * 4000
+    assert Path("steps.csv").stat().st_mode & 0o777 == 0o640
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["link.csv", "steps.csv"]
 
 
 @pytest.mark.parametrize("way", ["the same", "another spelling", "a link"])

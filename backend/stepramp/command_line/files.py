@@ -1,6 +1,8 @@
 """Files that commands read and write; `-` stands for standard input and output."""
 
 import json
+import os
+import shutil
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -80,17 +82,38 @@ def refuse_same(source: str, target: str) -> None:
 
 
 def write(target: str, content: bytes, field: str = "FILE") -> None:
-    """Write a file. Raises Rejected when it can't be written."""
+    """Write a file. Raises Rejected when it can't be written: what was there before stays then."""
     try:
         if target == "-":
             sys.stdout.buffer.write(content)
             sys.stdout.buffer.flush()
+        elif Path(target).exists() and not Path(target).is_file():
+            Path(target).write_bytes(content)  # A device, or what another program reads from.
         else:
-            Path(target).write_bytes(content)
+            _write_whole(Path(target).resolve(), content)
     except BrokenPipeError:
         raise
     except OSError as error:
         raise Rejected([Rejection(field, target, f"a file that can be written ({why(error)})")]) from None
+
+
+def _write_whole(file: Path, content: bytes) -> None:
+    """Have a file there whole, or as it was before; raises OSError when it can't be written."""
+    part = file.with_name(f".{file.name[:200]}.{os.getpid()}.part")
+    try:
+        opened = part.open("xb")
+    except PermissionError:
+        file.write_bytes(content)  # In a folder of others, the file itself may be one's own.
+        return
+    try:
+        with opened:
+            opened.write(content)
+        if file.exists():
+            shutil.copymode(file, part)
+        part.replace(file)
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise
 
 
 def why(error: OSError | ValueError) -> str:
