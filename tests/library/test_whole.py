@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from io import BytesIO
@@ -209,6 +210,17 @@ RECORD = {
 }  # fmt: skip
 
 
+def kept(content: dict[str, Any]) -> dict[str, Any]:
+    return changed(RECORD, content=content)
+
+
+def nested(levels: int) -> dict[str, Any]:
+    inner: dict[str, Any] = {}
+    for _ in range(levels - 1):
+        inner = {"a": inner}
+    return inner
+
+
 def changed(line: dict[str, Any], **values: object) -> dict[str, Any]:
     [(name, said)] = line.items()
     return {name: said | values}
@@ -240,6 +252,10 @@ def changed(line: dict[str, Any], **values: object) -> dict[str, Any]:
         (lambda _: ended(changed(DESIGN, saved_at="yesterday")), "lines.2.saved_at is 'yesterday'; allowed: a time"),
         (lambda _: ended(changed(DESIGN, name="a\0")), "lines.2.name is .*; allowed: text without"),
         (lambda _: ended(changed(DESIGN, color=1)), "lines.2.color is 1; allowed: nothing; there is no such field"),
+        (lambda _: ended(DESIGN, REVISION, kept({"a": math.inf})), "lines.4.content is .* are finite"),
+        (lambda _: ended(DESIGN, REVISION, kept({"a": [2**63]})), "whole numbers have up to 64 bits"),
+        (lambda _: ended(DESIGN, REVISION, kept(nested(40))), "lines.4.content is .* up to 32 levels"),
+        (lambda _: ended(changed(PUSH, report={"a": -math.inf})), "lines.2.report is .* are finite"),
         (lambda _: ended(DESIGN, changed(REVISION, design={})), "lines.3.design"),
         (lambda _: ended(DESIGN, REVISION, changed(RECORD, kind="song")), "lines.4.kind is 'song'; allowed: trace,"),
         (lambda _: ended(DESIGN, changed(REVISION, note=[[]] * 50_000)), "lines.3.document .*values"),

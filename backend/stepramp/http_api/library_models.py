@@ -1,19 +1,16 @@
 """What the routes over the library take and answer."""
 
-import math
 import unicodedata
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
 from stepramp.design import Design
-from stepramp.errors import Count
 from stepramp.http_api.answer import Answer
+from stepramp.library.documents import tellable
 from stepramp.validation import Document, ListOf, Text, Within, refuse
 
 A_NAME = "a name that can be read"
-DEEPEST = 32
-"""Levels of objects and lists in each other: what StepRamp answers has five at most."""
 
 
 def _refuse_control(field: str, text: str, but: str = "", but_words: str = "") -> str:
@@ -43,21 +40,6 @@ def _name(text: str, field: str = "") -> str:
 
 def _name_or_none(text: str) -> str:
     return _name(text) if text else text
-
-
-def _measured(document: dict[str, Any]) -> dict[str, Any]:
-    """Return a document that can be told back as it came."""
-    level: list[object] = [document]
-    for _ in range(DEEPEST):
-        below: list[object] = []
-        for each in level:
-            below.extend(each.values() if isinstance(each, dict) else each if isinstance(each, list) else ())
-            if isinstance(each, float) and not math.isfinite(each):
-                refuse("", each, "a document whose numbers are finite")
-        level = below
-    if level:
-        refuse("", Count("one nested more deeply"), f"a document of up to {DEEPEST} levels")
-    return document
 
 
 Name = Annotated[str, Text(100), AfterValidator(_name)]
@@ -180,7 +162,7 @@ class RecordPayload(Document):
     revision: Annotated[int, Within(1, 2**31 - 1)] = Field(description="Of the design, counted from 1")
     kind: Literal["trace", "capture", "stall_map"] = Field(description="What it is")
     note: Note = Field("", description="What is to be known of it")
-    document: Annotated[dict[str, Any], AfterValidator(_measured)] = Field(
+    document: Annotated[dict[str, Any], AfterValidator(tellable)] = Field(
         description="As it was answered when it was measured or computed"
     )
 

@@ -13,6 +13,7 @@ from pydantic import AfterValidator
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
 from stepramp.json_text import MOST_VALUES, parsed_json, why_unreadable
+from stepramp.library.documents import tellable
 from stepramp.library.texts import ID
 from stepramp.validation import Document, ListOf, Text, Within, refuse
 
@@ -57,6 +58,7 @@ def _text(text: T) -> T:
 
 Id = Annotated[str, Text(32), AfterValidator(_id)]
 Time = Annotated[str, Text(32), AfterValidator(_time)]
+Told = Annotated[dict[str, Any], AfterValidator(tellable)]
 Saved = Annotated[dict[str, Any], AfterValidator(_design)]
 Number = Annotated[int, Within(1, MOST_NUMBER)]
 Name = Annotated[str, Text(200), AfterValidator(_text)]
@@ -106,7 +108,7 @@ class PushLine(Document):
     client: WordsOrNull
     mode: Name
     trouble: WordsOrNull
-    report: dict[str, Any] | None
+    report: Told | None
     backup: WordsOrNull
 
 
@@ -127,7 +129,7 @@ class RecordLine(Document):
     revision: Number
     kind: Literal["trace", "capture", "stall_map"]
     note: Words
-    content: dict[str, Any]
+    content: Told
     kept_at: Time
 
 
