@@ -24,9 +24,10 @@ from designs import design, document
 from event_loop import run
 from http_api.families import DEVICES, connected, error_of, ok
 from stepramp.errors import DeviceLost
-from stepramp.http_api import bodies, history_keeper
+from stepramp.http_api import bodies, history_keeper, library_file
 from stepramp.http_api.history_keeper import HistoryKeeper
 from stepramp.http_api.lanes import LIBRARY as LIBRARY_LANE
+from stepramp.http_api.lanes import LIBRARY_FILES
 from stepramp.http_api.library_file import library_as_file
 from stepramp.library import database
 from stepramp.library.history import History
@@ -210,19 +211,27 @@ def test_a_file_that_is_given_up_leaves_nothing_behind(tmp_path: Path, monkeypat
 
     async def work() -> None:
         state = SimpleNamespace(whole_library=SimpleNamespace(lines=lines))
-        request: Any = SimpleNamespace(app=SimpleNamespace(state=state))
+        taken: list[int] = []
+        scope = {"stepramp.take_room": taken.append}
+        request: Any = SimpleNamespace(app=SimpleNamespace(state=state), scope=scope)
         asking = asyncio.ensure_future(library_as_file(request))
         await asyncio.to_thread(begun.wait, 60)
         asking.cancel()
         may_go_on.set()
         with pytest.raises(asyncio.CancelledError):
             await asking
-        await LIBRARY_LANE.run(lambda: None)
+        await LIBRARY_FILES.run(lambda: None)
         assert list(tmp_path.iterdir()) == []
         # What nobody has come to take is as good as given up.
         response = await library_as_file(request)
+        assert taken == [2]
         with pytest.raises(OSError, match="gone"):
             await response({"type": "http", "method": "GET", "headers": []}, nothing_comes, nobody_takes)
+        assert list(tmp_path.iterdir()) == []
+        monkeypatch.setattr(library_file, "STALLED_S", 0.0)
+        response = await library_as_file(request)
+        with pytest.raises(TimeoutError):
+            await response({"type": "http", "method": "GET", "headers": []}, nothing_comes, somebody_takes_nothing)
         assert list(tmp_path.iterdir()) == []
 
     run(work())
@@ -231,6 +240,10 @@ def test_a_file_that_is_given_up_leaves_nothing_behind(tmp_path: Path, monkeypat
 async def nothing_comes() -> Message:
     await asyncio.Event().wait()
     raise AssertionError
+
+
+async def somebody_takes_nothing(_: Message) -> None:
+    await asyncio.Event().wait()
 
 
 async def nobody_takes(_: Message) -> None:
@@ -244,6 +257,16 @@ def test_a_library_without_room_on_the_way_is_told(client: TestClient, monkeypat
         message = error_of(answer, 503)["message"]
         assert "can't keep the file while it is read or sent (Not a directory" in message
         assert "nothing was changed" in message
+
+
+def test_files_on_their_way_have_as_much_room_as_there_is(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    for n in range(30):
+        ok(client.post(f"{LIBRARY}/designs", json={"design": document(), "name": f"{n}"}))
+    monkeypatch.setattr(bodies.LibraryFileRoute, "room", bodies.Room(20_000))
+    assert "Ask again later" in error_of(client.get(f"{LIBRARY}/file"), 503)["message"]
+    monkeypatch.setattr(bodies.LibraryFileRoute, "room", bodies.Room(2_000_000))
+    for _ in range(100):
+        assert client.get(f"{LIBRARY}/file").status_code == 200
 
 
 def test_a_library_that_is_too_large_is_refused(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:

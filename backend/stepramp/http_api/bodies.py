@@ -161,9 +161,15 @@ class FileRoute(JsonRoute):
 
 
 class LibraryFileRoute(JsonRoute):
-    """A route whose body is a file with a library, on the disk."""
+    """A route whose body, or answer, is a file with a library, on the disk."""
 
     room = Room(2 * MOST_LIBRARY_BYTES)
+
+
+def take_room(request: Request, size_bytes: int) -> None:
+    """Take room for an answer of a JsonRoute until it is sent. Raises Overloaded or TooOften where there is none."""
+    take: Callable[[int], None] = request.scope[_TAKE]
+    take(size_bytes)
 
 
 def refuse_repeated(given: QueryParams | Headers, names: Iterable[str]) -> None:

@@ -1,15 +1,15 @@
 """Routes over the library as one file."""
 
+import asyncio
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
-from os import SEEK_END
 from typing import Any, BinaryIO
 
 from fastapi import APIRouter, Request
 from starlette.responses import StreamingResponse
-from starlette.types import Receive, Scope, Send
+from starlette.types import Message, Receive, Scope, Send
 
 from stepramp.errors import Unavailable
 from stepramp.http_api.bodies import (
@@ -17,10 +17,12 @@ from stepramp.http_api.bodies import (
     MOST_LIBRARY_BYTES,
     LibraryFileRoute,
     of_files,
+    take_room,
     write_library_body,
 )
 from stepramp.http_api.lanes import LIBRARY_FILES
 from stepramp.http_api.library_models import ImportedAnswer
+from stepramp.http_api.planned import STALLED_S
 from stepramp.library.whole import Whole
 
 router = APIRouter(prefix="/library", tags=["library"], route_class=LibraryFileRoute)
@@ -46,15 +48,19 @@ class _Copy(StreamingResponse):
     """Sends a file without a name, which is gone once it is closed: however this or the server ends, nothing stays."""
 
     def __init__(self, file: BinaryIO) -> None:
-        size = file.seek(0, SEEK_END)
+        size = file.tell()
         file.seek(0)
         self._file = file
         headers = {"content-length": str(size), "content-disposition": f'attachment; filename="{NAME}"'}
         super().__init__(iter(partial(file.read, PIECE_BYTES), b""), headers=headers, media_type=FILE_TYPE)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        async def unless_stalled(message: Message) -> None:
+            async with asyncio.timeout(STALLED_S):
+                await send(message)
+
         with self._file:
-            await super().__call__(scope, receive, send)
+            await super().__call__(scope, receive, unless_stalled)
 
 
 @router.get("/file", response_class=StreamingResponse, responses=_AS_FILE)
@@ -64,6 +70,7 @@ async def library_as_file(request: Request) -> StreamingResponse:
         file: BinaryIO = tempfile.TemporaryFile()  # noqa: SIM115  # closed once it is sent
         try:
             await LIBRARY_FILES.run(lambda: file.writelines(_whole(request).lines()))
+            take_room(request, file.tell())
         except BaseException:
             file.close()  # Also when whoever asked has gone: the writing ends by it.
             raise
