@@ -18,6 +18,13 @@ export function isAsLinked(state) {
   return known !== null && areEqual(known.design, designOf(state));
 }
 
+/** Whether all that is in hand is as the library has it.
+ * @param {State} state */
+export function isAllKept(state) {
+  const machine = machineOf(state);
+  return machine !== null && machine.axes.every((design, place) => areEqual(state.library.links[machine.ids[place]]?.design ?? null, design));
+}
+
 /** Whether this page may write to the library: on a shared server only who operates.
  * @param {State} state */
 export const mayKeep = ({ devices }) => devices.role === 'operate';

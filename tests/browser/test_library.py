@@ -138,8 +138,17 @@ def test_two_editors_are_told_of_each_other_and_nothing_is_overwritten(library: 
     expect(page.locator(".library-rows").first.locator("li .library-said")).to_have_text(
         ["mine", "from the bench", "faster", "first"]
     )
-    # Another name, beside what somebody else writes meanwhile.
+    # What is typed stays while something else is looked at.
     page.locator("#library-edit").click()
+    page.locator("#library-edit-notes").fill("typed, not saved")
+    page.locator("#library-save-design").click()
+    page.locator("#library-save-note").fill("not saved yet")
+    page.locator(".library-list button", has_text="Panel stage").first.click()
+    expect(page.locator("#library-edit-notes")).to_have_value("typed, not saved")
+    page.locator("#library-save-design").click()
+    expect(page.locator("#library-save-note")).to_have_value("not saved yet")
+    page.locator(".library-list button", has_text="Panel stage").first.click()
+    # Another name, beside what somebody else writes meanwhile.
     library.save_elsewhere("Panel stage", "again")
     page.locator("#library-edit-name").fill("Panel stage 2")
     page.locator("#library-describe").click()
@@ -148,6 +157,31 @@ def test_two_editors_are_told_of_each_other_and_nothing_is_overwritten(library: 
     expect(page.locator("#library-name")).to_have_text("Panel stage 2")
     page.get_by_role("button", name="Duplicate").last.click()
     expect(page.locator("#library-name")).to_have_text("Panel stage 2 copy")
+    library.close()
+
+
+def test_a_save_whose_answer_was_lost_is_no_other_s(library: Library, module_watch: Watch) -> None:
+    module_watch.expected += ["412", "Failed to load resource"]
+    page, stepramp = library.page, library.stepramp
+    library.open()
+    library.begin_saving()
+    page.locator('#library-saving [data-value="new"]').click()
+    page.locator("#library-save-name").fill("Lost answer")
+    page.locator("#library-save").click()
+    expect(library.note).to_have_text("Saved as “Lost answer”, revision 1.")
+    library.close()
+    stepramp.edit_and_wait(SLEW_SPEED, "876")
+    library.open()
+
+    def lose(route: Route) -> None:
+        route.fetch()
+        route.abort()
+
+    page.route("**/revisions", lose, times=1)
+    library.save(note="once")
+    expect(page.locator("#library-trouble")).to_be_visible()
+    page.locator("#library-save").click()
+    expect(library.note).to_have_text("Saved as revision 2 of “Lost answer”.")
     library.close()
 
 

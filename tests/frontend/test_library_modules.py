@@ -231,6 +231,32 @@ def test_a_save_says_which_version_it_is_of_and_who_was_quicker_is_heard(modules
     assert seen == ["add", 1, ["save", "a", 1], 3, 7, ["conflict"], 7, 9]
 
 
+def test_one_s_own_save_whose_answer_was_lost_is_no_conflict(modules: Modules) -> None:
+    kept, conflict = desk(
+        modules,
+        """store.dispatch(link, 5, {...kept, number: 2, version: 4, design}); answers.save = quicker;
+        answers.revision = async (id, number) => ({number, design: inHand().axes[0]});
+        const first = await actions.saveRevision(actions.inHand(), 'mine');
+        const now = links()[5];
+        answers.revision = async (id, number) => ({number, design: {...design, name: 'theirs'}});
+        const second = await actions.saveRevision(actions.inHand(), 'mine');
+        return [[Object.keys(first), now.number, now.version], Object.keys(second)];""",
+    )
+    assert kept == [["kept"], 3, 7]
+    assert conflict == ["conflict"]
+
+
+def test_what_is_as_the_library_has_it_takes_the_place_of_nothing_set_aside(modules: Modules) -> None:
+    seen = desk(
+        modules,
+        """const {isAllKept} = await import('/app/library.js');
+        const seen = [isAllKept(store.state())];
+        await actions.openRevision(kept, 2, 'all'); seen.push(isAllKept(store.state()));
+        store.dispatch(work.setName, 'Changed'); return [...seen, isAllKept(store.state())];""",
+    )
+    assert seen == [False, True, False]
+
+
 # Mine is looked at, and another axis is in hand when it is saved: beside it, or in its place.
 @pytest.mark.parametrize(
     ("happens", "name", "linked"),

@@ -89,13 +89,14 @@ def test_what_is_said_of_a_slow_save_is_of_the_form_that_is_there_by_then(module
         modules,
         """const {createSaving} = await import('/panels/library/saving.js');
         let done = () => {};
+        const kept = {id: 'a', name: 'Lift', version: 1};
         const saving = createSaving({saveRevision() {}, onCancel() {},
             saveNew: () => new Promise((end) => { done = end; })});
         body.append(saving.element);
         const button = byId('library-save'), seen = [], look = () => seen.push([button.textContent, button.disabled]);
         saving.begin({axis: 5, design: {name: 'Lift'}, linked: null});
         byId('library-saving').onsubmit({preventDefault() {}});
-        saving.begin({axis: 5, design: {name: 'Lift'}, linked: {name: 'Lift'}}); look();
+        saving.begin({axis: 5, design: {name: 'Lift'}, linked: kept}); look();
         done(); await settled(); look();
         return seen;""",
     )

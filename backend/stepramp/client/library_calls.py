@@ -5,6 +5,7 @@ from urllib.parse import quote
 
 from stepramp.client.calls import QUICK_S, Call, get, payload, post
 from stepramp.client.design_calls import ADesign
+from stepramp.http_api.answer import Answer
 from stepramp.http_api.history_models import (
     PushedToWithDesignsAnswer,
     PushesAnswer,
@@ -87,10 +88,11 @@ def duplicate_design(design_id: str, name: str) -> Call[KeptAnswer]:
 
 
 def keep_record(
-    design_id: str, revision: int, kind: str, document: Mapping[str, object], *, note: str = ""
+    design_id: str, revision: int, kind: str, document: Mapping[str, object] | Answer, *, note: str = ""
 ) -> Call[RecordAnswer]:
     """Keep a trace, a capture or a stall_map with the revision that it is of. document: as the API answered it."""
-    body = payload(RecordPayload, revision=revision, kind=kind, document=document, note=note)
+    told = document.model_dump(mode="json", by_alias=True) if isinstance(document, Answer) else document
+    body = payload(RecordPayload, revision=revision, kind=kind, document=told, note=note)
     return post(_path(design_id, "/records"), RecordAnswer, body, patience_s=_BUSY_S)
 
 

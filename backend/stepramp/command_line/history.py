@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 import typer
 
 from stepramp.command_line.commands import command
-from stepramp.command_line.designs import GROUP, Kept, Note, Number, Output, write_json
+from stepramp.command_line.designs import GROUP, Kept, Number, Output, write_json
 from stepramp.command_line.files import bytes_of, document_of, write
 from stepramp.command_line.output import Format, Rows, show, tell
 from stepramp.command_line.where import Where
@@ -40,7 +40,7 @@ def keep(
     file: Annotated[str, typer.Argument(metavar="FILE", help="JSON as it was told, - for standard input")],
     kind: Kind,
     revision: Number = None,
-    note: Note = "",
+    note: Annotated[str, typer.Option("--note", metavar="TEXT", help="what is to be known of it")] = "",
     format: Format = "table",
 ) -> None:
     """Keep what `trace`, `capture` or `map` has told as JSON with the revision that it is of."""

@@ -135,7 +135,9 @@ CAPTURING = Lane("capturing", 1, computes=True, most_wait_s=MOST_WAIT_S)
 PUSHING = Lane("pushing", 8)
 """Pushes, which take some seconds and wait for their planning, too."""
 LIBRARY = Lane("library", 1, most_wait_s=MOST_WAIT_S)
-"""All that is asked of the library, one after the other: whatever its database waits for, nothing else does."""
+"""All that is read of the library, one after the other: whatever its database waits for, nothing else does."""
+LIBRARY_WRITING = Lane("library writing", 1, most_wait_s=MOST_WAIT_S)
+"""All that is saved in it: each waits up to 5 s for another program that writes, or for a whole library that comes."""
 LIBRARY_FILES = Lane("library files", 1, computes=True, most_wait_s=MOST_WAIT_S)
 """Whole libraries, out and in, one after the other: what else is asked of the library waits for none of them."""
 ACTING = Lane("acting", 32)

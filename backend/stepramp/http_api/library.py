@@ -9,7 +9,7 @@ from stepramp.errors import Rejected, Rejection
 from stepramp.http_api.bodies import JsonRoute
 from stepramp.http_api.error_items import ErrorList
 from stepramp.http_api.json_response import JsonResponse
-from stepramp.http_api.lanes import LIBRARY
+from stepramp.http_api.lanes import LIBRARY, LIBRARY_WRITING
 from stepramp.http_api.library_models import (
     AboutPayload,
     ContentAnswer,
@@ -90,7 +90,7 @@ def search(request: SearchPayload, library: TheLibrary) -> FoundAnswer:
 
 
 @router.post("/designs")
-@LIBRARY.serves
+@LIBRARY_WRITING.serves
 def add(request: NewDesignPayload, library: TheLibrary) -> JsonResponse[KeptAnswer]:
     """Keep a design."""
     about = About(request.name or request.design.name, request.notes, request.tags)
@@ -107,14 +107,14 @@ def design(design_id: str, library: TheLibrary) -> JsonResponse[KeptWithRevision
 
 
 @router.put("/designs/{design_id}")
-@LIBRARY.serves
+@LIBRARY_WRITING.serves
 def describe(design_id: str, request: AboutPayload, version: Version, library: TheLibrary) -> JsonResponse[KeptAnswer]:
     """Name a design anew, with its notes and tags."""
     return _answer(library.describe(design_id, version, About(request.name, request.notes, request.tags)))
 
 
 @router.post("/designs/{design_id}/revisions")
-@LIBRARY.serves
+@LIBRARY_WRITING.serves
 def save(design_id: str, request: RevisionPayload, version: Version, library: TheLibrary) -> JsonResponse[KeptAnswer]:
     """Keep another revision; those before stay."""
     return _answer(library.save(design_id, version, request.design, request.note))
@@ -136,14 +136,14 @@ def compared(design_id: str, number: Number, other: Other, library: TheLibrary) 
 
 
 @router.post("/designs/{design_id}/duplicate")
-@LIBRARY.serves
+@LIBRARY_WRITING.serves
 def duplicate(design_id: str, request: DuplicatePayload, library: TheLibrary) -> JsonResponse[KeptAnswer]:
     """Keep a copy of the newest revision as a design of its own."""
     return _answer(library.duplicate(design_id, request.name))
 
 
 @router.post("/designs/{design_id}/records")
-@LIBRARY.serves
+@LIBRARY_WRITING.serves
 def keep_record(design_id: str, request: RecordPayload, records: TheRecords) -> RecordAnswer:
     """Keep a trace, a capture or a stall map with the revision that it is of."""
     record = records.add(design_id, request.revision, request.kind, request.document, request.note)

@@ -161,7 +161,10 @@ export function createLibrary({ state, dispatch, subscribe }, documents, ask = l
         return { kept: await saved(axis, design, () => ask.save(of.id, of.version, design, note)) };
       } catch (error) {
         if (!(error instanceof Refusal) || error.status !== CHANGED_MEANWHILE) throw error;
-        return { conflict: await ask.design(of.id) };
+        const newest = await ask.design(of.id);
+        const { design: theirs } = await ask.revision(of.id, newest.revisions);
+        // The answer to one's own save may have been lost, as by a reload: nobody else was quicker then.
+        return areEqual(readDesign(theirs), readDesign(design)) ? { kept: await saved(axis, design, async () => newest) } : { conflict: newest };
       }
     },
     /** What is known of a design anew: axes that began with it follow where it is only described otherwise.

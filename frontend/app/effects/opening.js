@@ -11,6 +11,7 @@ import { api, Refusal, ServerGone } from '../../server/api.js';
 import { openCapture } from '../commands/capture.js';
 import { setAside, showLink, showTableText, tell, urge } from '../commands/told.js';
 import { open } from '../commands/work.js';
+import { isAllKept } from '../library.js';
 import { designOf, isOwnWork, machineOf } from '../selectors.js';
 import { whenever } from '../state.js';
 
@@ -20,7 +21,8 @@ import { whenever } from '../state.js';
 export function createDocuments({ state, dispatch, subscribe }) {
   const opening = createOpening({
     state: () => machineOf(state()),
-    isOwn: () => isOwnWork(state()),
+    // What is a revision of the library is there, and takes the place of nothing that is nowhere else.
+    isOwn: () => isOwnWork(state()) && !isAllKept(state()),
     aside: () => state().replaced,
     putAside: (machine) => dispatch(setAside, machine),
     put: (work) => dispatch(open, work),

@@ -303,7 +303,7 @@ export function createDevice(root, dispatch, act) {
     gear.disabled = hindrance(present, now) !== '' || isMoving || now.isBusy;
     control.hidden = !now.isOthers || !isConnected;
     const others = present?.in_control_at ? `Another page, at ${present.in_control_at},` : 'Another page';
-    showText(inControl, `${others} is in control of it. You see all it does, and STOP works.`);
+    showText(inControl, `${others} is in control of it.${now.link === 'there' ? ' You see all it does, and STOP works.' : ''}`);
     takeOver.disabled = !now.mayAct;
     const message = present?.message ?? '';
     const trouble = present?.state === 'lost' ? `${message || 'It is lost.'} It is connected again once it is back.` : message;

@@ -27,6 +27,9 @@ export function createDetail(act) {
   /** @type {Where} */
   let where = 'all';
   let isEdited = false;
+  /** What somebody types of a design, and hasn't saved: it is there again when they come back to it.
+   * @type {{id: string, version: number, read: () => About} | null} */
+  let draft = null;
   const place = picker('Where designs are opened', (value) => (where = /** @type {Where} */ (value)));
   place.select.id = 'library-where';
   const root = element('div', { className: 'library-one', id: 'library-one' });
@@ -61,6 +64,7 @@ export function createDetail(act) {
       section('Measured and computed', records.map((one) => recordRow(kept, one)), 'Traces, captures and stall maps can be kept here from where they are shown.'),
       section('Pushes', pushes.map((one) => pushRow(one, act, true)), 'None of its revisions was pushed to a controller.'),
     );
+    if (mayKeep && draft?.id === kept.id) edit(about, kept, draft.read(), draft.version !== kept.version);
   }
 
   /** @param {HTMLElement} about @param {KeptWithRevisions} kept @param {boolean} mayKeep */
@@ -75,21 +79,24 @@ export function createDetail(act) {
     if (!mayKeep) about.append(element('p', { className: 'muted', textContent: 'You look on: designs can be searched and opened, not changed.' }));
   }
 
-  /** @param {HTMLElement} about @param {KeptWithRevisions} kept @param {About} [typed] */
-  function edit(about, kept, typed = kept) {
+  /** @param {HTMLElement} about @param {KeptWithRevisions} kept @param {About} [typed] @param {boolean} [isChanged] by somebody else, meanwhile */
+  function edit(about, kept, typed = kept, isChanged = false) {
     isEdited = true;
     act.onEdit();
     const name = nameField('library-edit-name', { value: typed.name });
     const tags = textField('library-edit-tags', 'Tags, with commas between', { value: typed.tags.join(', ') });
     const notes = textArea('library-edit-notes', 'Notes', { value: typed.notes, rows: 3 });
     const theirs = [quoted(kept.name), kept.tags.length > 0 && `tags ${kept.tags.map(isolated).join(', ')}`, kept.notes !== '' && `notes ${quoted(kept.notes)}`].filter((one) => one !== false).join('; ');
+    const read = () => ({ name: name.input.value.trim(), tags: tagsOf(tags.input.value), notes: notes.input.value.trim() });
+    draft = { id: kept.id, version: kept.version, read };
     const submit = (/** @type {SubmitEvent} */ event) => {
       event.preventDefault();
       if (!name.isGood()) return;
-      whileSaving(save, () => 'Save', () => act.describe(kept, { name: name.input.value.trim(), tags: tagsOf(tags.input.value), notes: notes.input.value.trim() }));
+      whileSaving(save, () => 'Save', () => act.describe(kept, read()));
     };
     const save = element('button', { className: 'button small primary', id: 'library-describe', type: 'submit', textContent: 'Save' });
     const back = () => {
+      draft = null;
       showAbout(about, kept, true);
       document.getElementById('library-edit')?.focus();
     };
@@ -97,7 +104,7 @@ export function createDetail(act) {
       element(
         'form',
         { className: 'library-form', onsubmit: submit, noValidate: true },
-        typed !== kept && messageLine({ text: `Somebody else has changed it meanwhile: ${theirs}. Nothing was overwritten; save yours over that, or cancel.`, isWarning: true }),
+        isChanged && messageLine({ text: `Somebody else has changed it meanwhile: ${theirs}. Nothing was overwritten; save yours over that, or cancel.`, isWarning: true }),
         name.element,
         tags.element,
         notes.element,
@@ -140,7 +147,11 @@ export function createDetail(act) {
      * @param {KeptWithRevisions} kept @param {About} typed */
     editAgain(kept, typed) {
       const about = root.querySelector('.library-about');
-      if (about instanceof HTMLElement) edit(about, kept, typed);
+      if (about instanceof HTMLElement) edit(about, kept, typed, true);
+    },
+    /** What was typed is saved, or is offered again. */
+    endEdit() {
+      draft = null;
     },
   };
 }

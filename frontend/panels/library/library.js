@@ -5,6 +5,7 @@
 import { measuredFrom } from '../../devices/traces.js';
 import { stallMapCame } from '../../app/commands/answers.js';
 import { showMeasured } from '../../app/commands/device.js';
+import { tell } from '../../app/commands/told.js';
 import { deviceOf } from '../../app/devices.js';
 import { isAsLinked, linkOf, mayKeep } from '../../app/library.js';
 import { axisOf, designOf, machineOf } from '../../app/selectors.js';
@@ -130,6 +131,8 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     trouble.replaceChildren(messageLine({ text: isAway ? outOfReachText(message) : message, isWarning: false }), ...(isAway ? [again] : []));
     trouble.hidden = false;
     say('');
+    // Whoever has closed the dialog meanwhile is told, too.
+    if (!dialog.isOpen()) dispatch(tell, message, true);
   }
 
   /** Do something, and say so once it is done.
@@ -146,6 +149,7 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
   function say(text) {
     showText(note, text);
     note.hidden = text === '';
+    if (text !== '' && !dialog.isOpen()) dispatch(tell, text, false);
   }
 
   // ---- what is shown ----
@@ -242,6 +246,7 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
 
   /** @param {string} text @param {Kept} kept @param {number} form how many were begun when it was to be saved */
   async function savedAs(text, kept, form) {
+    if (form === begun) saving.end();
     await list.find();
     if (form === begun) await look(kept.id);
     say(text);
@@ -275,10 +280,12 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     try {
       const now = await server.describe(kept.id, kept.version, about);
       act.described(now, kept.version);
+      detail.endEdit();
       await savedAs('Saved.', now, form);
     } catch (error) {
       if (!(error instanceof Refusal || error instanceof ServerGone)) throw error;
       if (!(error instanceof Refusal) || error.status !== CHANGED_MEANWHILE || form !== begun) return tellTrouble(error);
+      detail.endEdit();
       await look(kept.id);
       if (chosen?.id === kept.id && form === begun) detail.editAgain(chosen, about);
     }
@@ -344,6 +351,7 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
       return say(`The ${RECORD_NAMES[kind].toLowerCase()} lies over the plots now.`);
     }
     const { over } = document;
+    dispatch(tell, `Shown: ${record}. It is grey where the design in hand is another one.`, false);
     dispatch(stallMapCame, axis, over, { key: mapKey(design, over), over, id: null, stage: 'done', waitsFor: '', progress: 1, rejections: [], result: document });
     act.openMap(over);
   }

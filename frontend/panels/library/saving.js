@@ -67,13 +67,20 @@ export function createSaving({ saveRevision, saveNew, onCancel }) {
     element: form,
     /** @param {Mine} wanted */
     begin(wanted) {
-      mine = wanted;
       const { design, linked } = wanted;
+      // What was typed, and isn't saved yet, is of the same design.
+      const isSame = mine?.axis === wanted.axis && mine.linked?.version === linked?.version && mine.linked?.id === linked?.id;
+      mine = wanted;
+      if (isSame) return choose(as);
       showText(heading, `Save ${quoted(design.name || 'unnamed')}`);
       name.input.value = design.name ?? '';
       tags.input.value = notes.input.value = note.input.value = '';
       choose(linked === null ? 'new' : 'revision');
       (linked === null ? name : note).input.focus();
+    },
+    /** What was typed is saved. */
+    end() {
+      mine = null;
     },
   };
 }
