@@ -12,7 +12,7 @@ import { readFile, request, sendFile } from './api.js';
 const WITHIN_MS = 40_000;
 const FILE_WITHIN_MS = 300_000;
 /** Whole libraries are larger than captures: the server has them on its disk [bytes]. */
-const MOST_LIBRARY_BYTES = 2_147_483_648;
+export const MOST_LIBRARY_BYTES = 2_147_483_648;
 /** So many are told at once: who looks for others says more words. */
 export const MOST_FOUND = 100;
 

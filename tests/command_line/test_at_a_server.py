@@ -237,7 +237,9 @@ def test_a_motion_that_is_interrupted_is_stopped(ask: Ask, device: str, words: s
         assert "Ctrl+C stops it" in process.stderr.readline()
         until_state(ask, device, "moving")
         process.send_signal(ending)
-        assert "stopped: sim://, axis 0 at " in process.stderr.read()
+        assert re.search(
+            r"stopping: sim://, axis 0 at .* and slows down|stopped: sim://, axis 0 ", process.stderr.read()
+        )
     assert process.returncode == 130
     assert json.loads(ask(f"status {device} --format json").out)["state"] in ("stopping", "ready")
 
@@ -256,6 +258,24 @@ def test_a_run_that_was_paused_is_over(ask: Ask, device: str) -> None:
         assert "The run was given up, since this program was silent for " in said
     assert process.returncode == 1
     assert json.loads(ask(f"status {device} --format json").out)["position_steps"] == place
+
+
+@unix_only
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_an_output_that_has_no_room_for_all_is_told(device: str, folder: Path, unbuffered: str) -> None:
+    del device
+    limit = "import resource, signal; signal.signal(25, signal.SIG_IGN); resource.setrlimit(1, (5000, 5000)); "
+    for words in ("['profile', 'design.json', '--format', 'json']", "['export', 'csv', 'design.json', '-']"):
+        script = f"{limit}import sys; from stepramp.command_line.main import main; sys.exit(main({words}))"
+        environment = {
+            **os.environ,
+            "PYTHONPATH": str(Path(stepramp.__file__).parents[1]),
+            "PYTHONUNBUFFERED": unbuffered,
+        }
+        with (folder / "out").open("w") as out:
+            words_given = [sys.executable, "-c", script]
+            told = subprocess.run(words_given, stdout=out, stderr=subprocess.PIPE, env=environment, check=False)
+        assert (told.returncode in (1, 2), b"File too large" in told.stderr) == (True, True), (told, words)
 
 
 @unix_only
@@ -332,7 +352,8 @@ def test_what_was_granted_is_stopped_whatever_error_comes_and_what_was_refused_i
 
     def stop(device: str) -> SimpleNamespace:
         asked.append(device)
-        return SimpleNamespace(axes=[SimpleNamespace(axis=0, position_steps=7, position_told=True)])
+        axes = [SimpleNamespace(axis=0, position_steps=7, position_told=True)]
+        return SimpleNamespace(axes=axes, state="moving")
 
     def fail(motion: Motion) -> None:
         motion.is_granted = is_granted
@@ -343,7 +364,7 @@ def test_what_was_granted_is_stopped_whatever_error_comes_and_what_was_refused_i
     with pytest.raises(type(error)), stopping(where, there) as motion:
         fail(motion)
     assert asked == stopped
-    assert ("stopped: sim://, axis 0 at 7 steps" in capsys.readouterr().err) == bool(stopped)
+    assert ("stopping: sim://, axis 0 at 7 steps, and slows down" in capsys.readouterr().err) == bool(stopped)
 
 
 def test_a_move_is_waited_for_though_the_server_is_asked_too_much(

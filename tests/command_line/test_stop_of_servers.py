@@ -11,10 +11,11 @@ from typing import Any
 
 import pytest
 
+from client.awaited import Awaited
 from client.test_urgent import HalfDeaf, half_deaf  # noqa: F401  # a fixture
 from command_line.conftest import Ask
-from stepramp.client import urgent
-from stepramp.client.servers import Server
+from stepramp.client import AsyncClient, Client, urgent
+from stepramp.client.servers import Server, is_here
 from stepramp.client.urgent import stop_until_answered
 from stepramp.command_line import stop
 from stepramp.errors import NoServer
@@ -130,7 +131,8 @@ def test_what_one_server_refuses_is_told_with_its_name(scripted: Scripted, ask: 
 def test_what_is_no_stepramp_is_told_as_such(scripted: Scripted, ask: Ask, content: object) -> None:
     scripted.answer = lambda *_: (200, content)
     told = ask(f"stop --server {scripted.url}")
-    assert (told.code, told.err) == (3, f"stepramp: What answers at {scripted.url} is no StepRamp.\n")
+    words = f"NOT stopped by {scripted.url}: what answers there is no StepRamp."
+    assert (told.code, told.err) == (3, f"stepramp: {words}\n")
 
 
 def test_an_old_link_stops_all_the_same_where_the_server_has_left_a_note(
@@ -149,6 +151,53 @@ def test_an_old_link_stops_all_the_same_where_the_server_has_left_a_note(
     told = ask(f"stop --port sim:// --server {scripted.url}?token=old")
     assert (told.code, told.out) == (3, "")
     assert "Nothing at sim:// was stopped" in told.err
+
+
+def test_the_token_of_another_server_with_the_same_port_stops_nothing_and_is_told_nobody_elsewhere(
+    scripted: Scripted, ask: Ask, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown: list[str] = []
+
+    def answer(_: str, token: str) -> tuple[int, Any]:
+        shown.append(token)
+        return 401, REFUSED
+
+    scripted.answer = answer
+    port = scripted.server_port
+    monkeypatch.setattr(stop, "running", lambda: [Server(f"http://127.0.0.2:{port}", "another's")])
+    told = ask(f"stop --server {scripted.url}?token=old")
+    assert (told.code, told.out, shown) == (3, "", ["old", "another's"])
+    assert told.err.startswith(f"stepramp: NOT stopped by {scripted.url}: It refuses.\n")
+    # Elsewhere it isn't even tried.
+    monkeypatch.setattr(stop, "is_here", lambda server: server.place[0] != "127.0.0.1")
+    shown.clear()
+    assert ask(f"stop --server {scripted.url}?token=old").code == 3
+    assert shown == ["old"]
+
+
+@pytest.mark.parametrize(("host", "here"), [("127.0.0.1", True), ("localhost", True), ("192.0.2.7", False)])
+def test_what_is_of_this_machine_is_known(host: str, here: bool) -> None:
+    assert is_here(Server(f"http://{host}:8000")) == here
+
+
+@pytest.mark.parametrize(("status", "content"), [(502, "<html>"), (503, {}), (504, None)])
+def test_a_server_behind_a_proxy_is_asked_until_it_is_back(
+    scripted: Scripted, ask: Ask, status: int, content: object
+) -> None:
+    scripted.answer = lambda *_: (status, content) if len(scripted.asked) < 3 else ALL
+    told = ask(f"stop --server {scripted.url}")
+    assert (told.code, len(told.out.splitlines()), len(scripted.asked)) == (0, 3, 3)
+    assert told.err.count(f"a proxy answers in its place, with {status}") == 1
+
+
+def test_clients_ask_a_server_behind_a_proxy_until_it_is_back(scripted: Scripted) -> None:
+    scripted.answer = lambda *_: (502, "<html>") if len(scripted.asked) % 3 else (200, {"devices": []})
+    with Client(scripted.url) as client:
+        assert client.stop_all().devices == []
+    awaited = Awaited(AsyncClient(scripted.url))
+    assert awaited.stop_all().devices == []
+    awaited.end()
+    assert len(scripted.asked) == 6
 
 
 def test_why_it_can_t_be_asked_is_told(half_deaf: HalfDeaf) -> None:  # noqa: F811

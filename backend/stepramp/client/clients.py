@@ -13,7 +13,7 @@ from stepramp.client import design_calls, device_calls, library_calls
 from stepramp.client.calls import A, Asked, Awaiting, Blocking, Call, M, Pause, Script, Scripted
 from stepramp.client.refusals import error_of
 from stepramp.client.servers import URL_VARIABLE, Server, named, running
-from stepramp.client.urgent import ANSWER_WITHIN_S, PAUSE_S, stop_path, tls_of
+from stepramp.client.urgent import ANSWER_WITHIN_S, PAUSE_S, is_of_a_proxy, stop_path, tls_of
 from stepramp.errors import NoServer
 from stepramp.http_api.devices_models import DeviceAnswer
 from stepramp.http_api.stopping_models import AllStoppedAnswer
@@ -165,9 +165,10 @@ class Client(Requests, Blocking):
             except httpx2.TransportError as error:
                 if time.monotonic() > until_s:
                     raise _lost(self.server, error) from error
-                time.sleep(PAUSE_S)
             else:
-                return _read(call, response, self.server)
+                if time.monotonic() > until_s or not is_of_a_proxy(response.status_code, response.content):
+                    return _read(call, response, self.server)
+            time.sleep(PAUSE_S)
 
     def __enter__(self) -> Self:
         return self
@@ -248,9 +249,10 @@ class AsyncClient(Requests, Awaiting):
             except httpx2.TransportError as error:
                 if time.monotonic() > until_s:
                     raise _lost(self.server, error) from error
-                await asyncio.sleep(PAUSE_S)
             else:
-                return _read(call, response, self.server)
+                if time.monotonic() > until_s or not is_of_a_proxy(response.status_code, response.content):
+                    return _read(call, response, self.server)
+            await asyncio.sleep(PAUSE_S)
 
     async def __aenter__(self) -> Self:
         return self

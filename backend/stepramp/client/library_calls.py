@@ -5,6 +5,7 @@ from urllib.parse import quote
 
 from stepramp.client.calls import QUICK_S, Call, get, payload, post
 from stepramp.client.design_calls import ADesign
+from stepramp.errors import NotFound, shown
 from stepramp.http_api.answer import Answer
 from stepramp.http_api.history_models import (
     PushedToWithDesignsAnswer,
@@ -103,7 +104,7 @@ def records(design_id: str) -> Call[RecordsAnswer]:
 
 def record(design_id: str, record_id: str) -> Call[RecordContentAnswer]:
     """Return the document of what was kept."""
-    return get(_path(design_id, f"/records/{quote(record_id, safe='')}"), RecordContentAnswer, _BUSY_S)
+    return get(_path(design_id, f"/records/{_called(record_id)}"), RecordContentAnswer, _BUSY_S)
 
 
 def seen_devices() -> Call[SeenDevicesAnswer]:
@@ -121,7 +122,7 @@ def search_pushes(
 
 def pushed(push_id: str) -> Call[PushedToWithDesignsAnswer]:
     """Return a push with the design of each axis, and what was read back."""
-    return get(f"library/pushes/{quote(push_id, safe='')}", PushedToWithDesignsAnswer, _BUSY_S)
+    return get(f"library/pushes/{_called(push_id)}", PushedToWithDesignsAnswer, _BUSY_S)
 
 
 def library_file() -> Call[bytes]:
@@ -137,7 +138,14 @@ def add_library_file(content: bytes) -> Call[ImportedAnswer]:
 
 
 def _path(design_id: str, what: str = "") -> str:
-    return f"library/designs/{quote(design_id, safe='')}{what}"
+    return f"library/designs/{_called(design_id)}{what}"
+
+
+def _called(known: str) -> str:
+    """Return what the library calls something, as it stands in a path; NotFound for what can't."""
+    if not known.strip(".") or "/" in known:
+        raise NotFound(f"The library has nothing that it calls {shown(known)}.")
+    return quote(known, safe="")
 
 
 def _of(version: int) -> dict[str, str]:

@@ -195,6 +195,15 @@ def _is_here(host: str) -> bool:
     return True
 
 
+def is_here(server: Server) -> bool:
+    """Tell whether a server is named by an address, or a name, of this machine alone."""
+    host, port = server.place
+    with suppress(OSError):
+        found = {str(address[0]) for *_, address in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)}
+        return bool(found) and all(map(_is_here, found))
+    return False
+
+
 def _answers(place: tuple[str, int]) -> bool:
     with suppress(OSError), socket.create_connection(place, KNOCK_S):
         return True

@@ -21,6 +21,8 @@ A Marlin that heats, or a Klipper that prints, is asked by its server for up to 
 LONGEST_ANSWER_S = 32.0
 """Each time it is waited for twice as long, up to this: many stops may wait for one port, each in its turn."""
 PAUSE_S = 0.1
+PROXYS_OWN = (502, 503, 504)
+"""Such answers a proxy makes itself, while the server behind it begins anew; StepRamp's have errors."""
 
 
 def stop_path(device: str | None, *, halt: bool = False) -> str:
@@ -69,7 +71,12 @@ def stop_until_answered(
     begin_s, answer_within_s = monotonic(), ANSWER_WITHIN_S
     while True:
         try:
-            return ask_to_stop(server, device, axes, halt=halt, within_s=answer_within_s)
+            status, content = ask_to_stop(server, device, axes, halt=halt, within_s=answer_within_s)
+            if not is_of_a_proxy(status, content):
+                return status, content
+            if within_s is not None and monotonic() - begin_s > within_s:
+                raise NoServer(f"The server at {server.url} has not answered: a proxy did, with {status}.")
+            tell(f"a proxy answers in its place, with {status}")
         except ConnectionRefusedError:
             raise NoServer(f"No server answers at {server.url}.") from None
         except (OSError, http.client.HTTPException) as error:
@@ -80,6 +87,16 @@ def stop_until_answered(
             if isinstance(error, TimeoutError):
                 answer_within_s = min(2 * answer_within_s, LONGEST_ANSWER_S)
         sleep(PAUSE_S)
+
+
+def is_of_a_proxy(status: int, content: bytes) -> bool:
+    """Tell whether an answer is of who passes requests on to a server, and can't just now."""
+    if status not in PROXYS_OWN:
+        return False
+    try:
+        return "errors" not in json.loads(content)
+    except (ValueError, TypeError):
+        return True
 
 
 def _connection(server: Server, within_s: float) -> http.client.HTTPConnection:

@@ -1,5 +1,6 @@
 """The program with all of its commands, and what it ends with."""
 
+import io
 import os
 import re
 import sys
@@ -51,6 +52,7 @@ def program() -> typer.Typer:
 
 def run(words: Sequence[str]) -> int:
     """Do what the command line says; return the exit code."""
+    _write_all_that_is_printed()
     try:
         _refuse_words_of_completion(words)
         made = _light() if words[:1] == ["serve"] or words == ["--version"] else program()
@@ -79,6 +81,19 @@ def run(words: Sequence[str]) -> int:
         if not hasattr(error, "format_message"):
             raise
         return _told(_in_words(error), WRONG_INPUT)
+
+
+def _write_all_that_is_printed() -> None:
+    """Have output written whole, or refused, where Python was told not to buffer it (PYTHONUNBUFFERED).
+
+    A file that isn't buffered takes what there is room for, and says how much that was: nobody asks.
+    """
+    out = sys.stdout
+    if out is not sys.__stdout__ or not isinstance(out, io.TextIOWrapper):
+        return
+    raw: object = out.buffer
+    if isinstance(raw, io.RawIOBase):
+        sys.stdout = io.TextIOWrapper(io.BufferedWriter(raw), out.encoding, out.errors, line_buffering=True)
 
 
 def _refuse_words_of_completion(words: Sequence[str]) -> None:

@@ -9,7 +9,7 @@ from stepramp.command_line.designs import GROUP, Kept, Number, Output, write_jso
 from stepramp.command_line.files import bytes_of, document_of, write
 from stepramp.command_line.output import Format, Rows, show, tell
 from stepramp.command_line.where import Where
-from stepramp.errors import Rejected, Rejection
+from stepramp.errors import NotFound, Rejected, Rejection, shown
 from stepramp.http_api.history_models import PushedToAnswer
 
 MOST_LIBRARY_BYTES = 2**31
@@ -89,6 +89,10 @@ def pushes(
     format: Format = "table",
 ) -> None:
     """List what was pushed, the newest first: when, by whom, which revision, and whether it was read back as sent."""
+    if design_id is not None:
+        where.client.kept_design(design_id)  # One that there isn't was never pushed either, but who asks means another.
+    if device_id is not None and device_id not in {each.id for each in where.client.seen_devices().devices}:
+        raise NotFound(f"There is no device {shown(device_id)} in the library: `stepramp designs devices` lists them.")
     answer = where.client.search_pushes(design_id=design_id, device_id=device_id, first=first, most=most)
     columns = ("push", "pushed at", "device", "by", "designs", "came of it", "backup")
     rows = [
@@ -117,7 +121,13 @@ def pushed(
 
 def export(where: Where, file: Output = "-") -> None:
     """Write the whole library as one file: designs with all revisions and records, devices, and pushes."""
-    write(file, where.client.library_file(), "--output")
+    content = where.client.library_file()
+    write(file, content, "--output")
+    if len(content) > MOST_LIBRARY_BYTES:
+        tell(
+            f"warning: it has {len(content):,} bytes, and only {MOST_LIBRARY_BYTES:,} can be imported: "
+            "copy the database itself, too"
+        )
 
 
 def add_file(
@@ -139,7 +149,7 @@ def _designs(push: PushedToAnswer) -> str:
     told = []
     for each in push.axes:
         known = f" (revision {each.revisions[0].number:,} of {each.revisions[0].design_id})" if each.revisions else ""
-        told.append(f"axis {each.axis}: {each.name}{known}")
+        told.append(f"axis {each.axis}: {each.name or 'unnamed'}{known}")
     return ", ".join(told)
 
 

@@ -219,7 +219,8 @@ def _stop(where: Where, device: DeviceAnswer, *, is_told: bool) -> None:
         return
     if is_told:
         axes = ((each.axis, each.position_steps if each.position_told else None) for each in stopped.axes)
-        tell(f"stopped: {device.port}{places_of(axes)}")
+        words, rest = ("stopping", ", and slows down") if stopped.state == "moving" else ("stopped", "")
+        tell(f"{words}: {device.port}{places_of(axes)}{rest}")
 
 
 def _how_to_stop(device: DeviceAnswer) -> str:

@@ -8,11 +8,11 @@ import os
 import sys
 import threading
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from time import monotonic
 from typing import Any
 
-from stepramp.client.servers import Server, named, running
+from stepramp.client.servers import Server, is_here, named, running
 from stepramp.client.urgent import stop_until_answered
 from stepramp.command_line.exit_codes import FAILED, INTERRUPTED, NOBODY_THERE, OK, WRONG_INPUT
 from stepramp.command_line.visible import visible
@@ -158,17 +158,18 @@ def _is_had(port: str | None, answered: Iterable[_Answered]) -> bool:
 def _ask(server: Server, asked: Asked) -> _Answered:
     try:
         status, answer = _answer_of(server, asked)
-        if status == UNAUTHORIZED:
+        if status == UNAUTHORIZED and is_here(server):
             # A link that is kept is of no use once a server has begun anew, with other tokens: those are in its note.
+            # It is asked where it is named: whose note it is, another one at the same port isn't meant.
             for noted in running():
                 if status == UNAUTHORIZED and noted.place[1] == server.place[1]:
-                    server = noted
-                    status, answer = _answer_of(noted, asked)
+                    known = replace(server, token=noted.token, certificate=noted.certificate)
+                    status, answer = _answer_of(known, asked)
         return _told(server, status, answer)
     except NoServer as error:
         _tell(str(error))
     except (ValueError, KeyError, TypeError, AttributeError):
-        _tell(f"What answers at {server.url} is no StepRamp.")
+        _tell(f"NOT stopped by {server.url}: what answers there is no StepRamp.")
     return _Answered(NOBODY_THERE)
 
 

@@ -16,7 +16,7 @@ import { mapKey } from '../../model/stall_map.js';
 import { duplicateOf, MOST_AXES } from '../../model/workbench.js';
 import { measuredIn } from '../../plotting/captured.js';
 import { CHANGED_MEANWHILE, isForLater, Refusal, ServerGone } from '../../server/api.js';
-import { library } from '../../server/library.js';
+import { library, MOST_LIBRARY_BYTES } from '../../server/library.js';
 import { createDialog, dialogFoot } from '../../ui/dialog.js';
 import { element, messageLine, segmented, showText } from '../../ui/dom.js';
 import { download } from '../../ui/download.js';
@@ -32,6 +32,9 @@ import { createSaving } from './saving.js';
 /** @typedef {import('../../app/effects/library.js').Mine} Mine */
 /** @typedef {import('../../model/library.js').KeptRecord} KeptRecord */
 /** @typedef {import('../../model/library.js').KeptWithRevisions} KeptWithRevisions */
+/** No move has as many steps, or lasts as many seconds. */
+const LARGEST_DRAWN = 1e12;
+
 /** @typedef {'designs' | 'pushes'} Page */
 /** What the right side shows.
  * @typedef {'nothing' | 'one' | 'saving' | 'conflict'} Pane */
@@ -347,6 +350,7 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     if (kind === 'capture' && document.move === null) return say('No move was found in that capture: there is nothing to lay over the plots.');
     if (kind !== 'stall_map') {
       const move = kind === 'trace' ? measuredFrom(document) : measuredIn(document.move);
+      if (!isDrawable(move)) throw new Error('no move');
       dispatch(showMeasured, { of: { axis: null, design }, move, record });
       return say(`The ${RECORD_NAMES[kind].toLowerCase()} lies over the plots now.`);
     }
@@ -366,7 +370,8 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     const found = await reached(() => server.file());
     if (found === null) return;
     download(found.file, found.name);
-    say(`All of the library is saved as ${found.name}.`);
+    const isTooLarge = found.file.size > MOST_LIBRARY_BYTES;
+    say(`All of the library is saved as ${found.name}.${isTooLarge ? ' It is larger than what can be imported again: have the database itself copied, too.' : ''}`);
   }
 
   function chooseFile() {
@@ -410,6 +415,11 @@ export function createLibraryPanel({ state, dispatch }, act, server = library) {
     },
   };
 }
+
+/** Whether a move can be drawn: any program may have kept anything.
+ * @param {{step: number[], time_s: number[]}} move */
+const isDrawable = ({ step, time_s: time }) =>
+  step.every(Number.isFinite) && time.some(Number.isFinite) && [...step, ...time].every((one) => !(Math.abs(one) >= LARGEST_DRAWN));
 
 /** What a copy is called.
  * @param {string} name */
