@@ -167,7 +167,10 @@ class LibraryFileRoute(JsonRoute):
 
 
 def take_room(request: Request, size_bytes: int) -> None:
-    """Take room for an answer of a JsonRoute until it is sent. Raises Overloaded or TooOften where there is none."""
+    """Take room until a JsonRoute's request is answered: for its body, or its answer, of so many bytes.
+
+    Raises Overloaded or TooOften where there is none.
+    """
     take: Callable[[int], None] = request.scope[_TAKE]
     take(size_bytes)
 
@@ -220,7 +223,6 @@ async def _parts_of(request: Request, most_bytes: int, most_taken_bytes: int) ->
     Raises HTTPException with status 413 when it is too large, without reading more than is to be taken, and 400 when it
     ends early; Overloaded when it has no room beside other large ones.
     """
-    take_room: Callable[[int], None] = request.scope[_TAKE]
     declared = request.headers.get("content-length", "")
     size = int(declared) if declared.isdecimal() and len(declared) < 20 else 0
     try:
@@ -231,7 +233,7 @@ async def _parts_of(request: Request, most_bytes: int, most_taken_bytes: int) ->
                 if size > most_taken_bytes:
                     break
                 if size <= most_bytes:
-                    take_room(size)
+                    take_room(request, size)
                     yield part
     except ClientDisconnect:
         raise HTTPException(400, "The request's body ended early.") from None
