@@ -11,6 +11,12 @@ from browser.stepramp_page import ACCELERATION, REFUSED_VALUE, SLEW_SPEED, StepR
 NEMA_17 = "NEMA 17 · 17HS19-2004S1"
 
 
+def unfold(stepramp: StepRampPage, section: str) -> None:
+    """Have a section open, which may open by itself just then, and be closed by the click."""
+    found = stepramp.page.locator(section)
+    until(lambda: found.get_attribute("open") is not None or found.locator("summary").first.click())
+
+
 def test_a_motor_says_whether_it_makes_the_move_and_a_proposal_mends_it(stepramp: StepRampPage, watch: Watch) -> None:
     page = stepramp.page
     verdict = page.locator("#motor-verdict")
@@ -32,7 +38,7 @@ def test_a_motor_says_whether_it_makes_the_move_and_a_proposal_mends_it(stepramp
     assert stepramp.design()["ramp"]["base_speed_steps_per_s"] < 40000
     # What makes no motor is told at its field; the verdict is of the last one that did.
     watch.expected.append(REFUSED_VALUE)
-    page.locator("#motor-data summary").click()
+    unfold(stepramp, "#motor-data")
     stepramp.field("motor.inductance_mh").fill("0")
     message = page.locator('[data-path="motor.inductance_mh"] .message')
     expect(message).to_contain_text("Inductance is 0; allowed: a number from 0.01")
@@ -94,7 +100,7 @@ def test_what_was_measured_of_a_motor_takes_the_place_of_what_is_guessed(stepram
     page.locator('#current-is [data-value="peak"]').click()
     expect(page.locator(".choice:has(#current-is) .message")).to_have_count(0)
     # Where it stalled is asked for, and not made up.
-    page.locator("#motor-measured summary").click()
+    unfold(stepramp, "#motor-measured")
     page.locator("#stall-point").click()
     expect(stepramp.field("motor.stalled.rpm")).to_be_focused()
     expect(stepramp.message("motor.stalled.torque_nm")).to_contain_text("Stall torque is empty")
@@ -131,7 +137,7 @@ def test_what_was_measured_of_a_motor_takes_the_place_of_what_is_guessed(stepram
 def test_what_does_not_fit_together_is_seen(stepramp: StepRampPage) -> None:
     page = stepramp.page
     page.locator("#motor-presets").select_option(NEMA_17)
-    page.locator("#motor-data summary").click()
+    unfold(stepramp, "#motor-data")
     stepramp.field("motor.full_steps_per_rev").fill("200")
     page.locator("#motor-data summary").click()
     # A section with something to look at opens by itself.
@@ -139,7 +145,7 @@ def test_what_does_not_fit_together_is_seen(stepramp: StepRampPage) -> None:
     expect(stepramp.message("motor.full_steps_per_rev")).to_contain_text("and the axis 400")
     stepramp.field("motor.full_steps_per_rev").fill("")
     expect(stepramp.message("motor.full_steps_per_rev")).to_have_count(0)
-    page.locator("#motor-measured summary").click()
+    unfold(stepramp, "#motor-measured")
     # .59 Nm at 2 A RMS.
     page.locator("#torque-curve").fill("100, 0.7\n600, 0.21")
     expect(page.locator(".motor-curve .message")).to_contain_text("hold the rotor with 0.59 Nm")
