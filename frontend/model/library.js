@@ -172,6 +172,19 @@ export function conflictText({ name, revisions, history: [newest] }, link) {
   );
 }
 
+/** More steps of a trace aren't kept: four values each, and a document may have twice as many at most. */
+const MOST_KEPT_STEPS = 5_000;
+
+/** A trace of no more steps than are kept, the first and the last of them.
+ * @param {any} trace @returns {any} */
+export function thinnedTrace(trace) {
+  const count = trace.step.length;
+  if (count <= MOST_KEPT_STEPS) return trace;
+  const places = Array.from({ length: MOST_KEPT_STEPS }, (_, index) => Math.round((index * (count - 1)) / (MOST_KEPT_STEPS - 1)));
+  const columns = Object.entries(trace).map(([name, value]) => [name, Array.isArray(value) && value.length === count ? places.map((place) => value[place]) : value]);
+  return Object.fromEntries(columns);
+}
+
 /** Whether something is a link, as it is kept.
  * @param {any} kept @returns {kept is Link} */
 export const isLink = (kept) =>

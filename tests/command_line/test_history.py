@@ -45,6 +45,23 @@ def test_a_record_is_kept_and_comes_back_as_it_was(ask: Ask, kept: str) -> None:
     assert json.loads(Path("again.json").read_text()) == TRACE
 
 
+def test_of_a_long_trace_as_much_is_kept_as_a_record_has_and_that_is_told(ask: Ask, kept: str) -> None:
+    steps = list(range(1, 120_001))
+    ticks = [step * 1000.5 for step in steps]
+    long = {"traced_axis": 0, "timer_hz": 2e6, "step": steps, "measured_ticks": ticks, "none": []}
+    Path("long.json").write_text(json.dumps(long))
+    came_to = ask(f"designs keep {kept} long.json --kind trace --format json")
+    assert (came_to.code, came_to.err) == (
+        0,
+        "stepramp: the trace has 120,000 steps: 5,000 of them, evenly apart, are kept\n",
+    )
+    record = json.loads(came_to.out)["id"]
+    back = json.loads(ask(f"designs record {kept} {record}").out)
+    assert (len(back["step"]), back["step"][0], back["step"][-1]) == (5000, 1, 120_000)
+    assert back["measured_ticks"] == [step * 1000.5 for step in back["step"]]
+    assert (back["timer_hz"], back["none"]) == (2e6, [])
+
+
 def test_a_push_is_told_with_its_revision_and_its_design_comes_back(ask: Ask, kept: str, grbl: str) -> None:
     assert ask(f"push other.json --port {grbl} --family grbl --yes").code == 0
     answer = told(ask, f"designs pushes --design {kept} --most 1")

@@ -326,6 +326,21 @@ def test_what_was_measured_is_kept_with_the_revision_that_it_is_of(
     assert seen == [asked, words]
 
 
+def test_of_a_long_trace_as_much_is_kept_as_a_record_has_and_that_is_told(modules: Modules) -> None:
+    count, first, last, matches, rest, words = desk(
+        modules,
+        """const step = Array.from({length: 120000}, (_, at) => at + 1);
+        const trace = {step, measured_ticks: step.map((one) => one * 1000.5), timer_hz: 2e6, none: []};
+        await actions.keepRecord('trace', trace, {axis: null, design: null});
+        const {document: thin} = asked.at(-1)[2];
+        return [thin.step.length, thin.step[0], thin.step.at(-1),
+            thin.measured_ticks.every((ticks, at) => ticks === thin.step[at] * 1000.5), [thin.timer_hz, thin.none],
+            store.state().told.notice.text];""",
+    )
+    assert (count, first, last, matches, rest) == (5000, 1, 120_000, True, [2e6, []])
+    assert words.endswith(" Of its 120,000 steps 5,000 are kept, evenly apart.")
+
+
 def test_what_was_pushed_is_opened_with_the_revisions_that_it_is(modules: Modules) -> None:
     seen = desk(
         modules,

@@ -12,7 +12,7 @@ import typer
 from stepramp.client.design_calls import MOST_FILE_BYTES
 from stepramp.design import Design
 from stepramp.errors import Rejected, Rejection
-from stepramp.json_text import parsed_json
+from stepramp.json_text import MOST_VALUES, parsed_json
 
 MOST_BYTES = 2_000_000
 """Size of the largest file with a design, as of the largest body with one [bytes]."""
@@ -43,22 +43,25 @@ def designs_of(sources: list[str]) -> list[Design]:
     return designs
 
 
-def document_of(source: str, field: str, allowed: str) -> object:
+def document_of(
+    source: str, field: str, allowed: str, most_bytes: int | None = None, most_values: int = MOST_VALUES
+) -> object:
     """Return the JSON of a file. Raises Rejected, with what is allowed, when it can't be read."""
     try:
-        return parsed_json(text_of(source))
+        return parsed_json(text_of(source, most_bytes), most_values)
     except (OSError, ValueError) as error:
         if isinstance(error, Rejected):
             raise
         raise Rejected([Rejection(field, source, f"{allowed} ({why(error)})")]) from None
 
 
-def text_of(source: str) -> str:
+def text_of(source: str, most_bytes: int | None = None) -> str:
     """Return the text of a file that may be a design; ValueError when it is none, or larger than any."""
+    most_bytes = most_bytes or MOST_BYTES
     with sys.stdin.buffer if source == "-" else Path(source).open("rb") as file:
-        content = file.read(MOST_BYTES + 1)
-    if len(content) > MOST_BYTES:
-        raise ValueError(f"it is larger than {MOST_BYTES:,} bytes")
+        content = file.read(most_bytes + 1)
+    if len(content) > most_bytes:
+        raise ValueError(f"it is larger than {most_bytes:,} bytes")
     return content.decode(json.detect_encoding(content))
 
 

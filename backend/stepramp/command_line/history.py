@@ -1,9 +1,10 @@
 """Commands about what became of the library's designs: what was measured, where they went, and all as a file."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
+from stepramp.client.design_calls import MOST_FILE_BYTES
 from stepramp.command_line.commands import command
 from stepramp.command_line.designs import GROUP, Kept, Number, Output, write_json
 from stepramp.command_line.files import bytes_of, document_of, write
@@ -14,6 +15,10 @@ from stepramp.http_api.history_models import PushedToAnswer
 
 MOST_LIBRARY_BYTES = 2**31
 """Size of the largest library that a server takes [bytes]."""
+MOST_TOLD_VALUES = 4_000_000
+"""Of a trace of the most steps, 500,000."""
+MOST_KEPT_STEPS = 5000
+"""Of a trace: four values each, and the most that a document may have are twice as many. The page keeps as many."""
 Kind = Annotated[
     Literal["trace", "capture", "stall_map"], typer.Option("--kind", help="what it is: trace, capture or stall_map")
 ]
@@ -44,9 +49,12 @@ def keep(
     format: Format = "table",
 ) -> None:
     """Keep what `trace`, `capture` or `map` has told as JSON with the revision that it is of."""
-    document = document_of(file, "FILE", "a file with what was told as JSON")
+    allowed = "a file with what was told as JSON"
+    document = document_of(file, "FILE", allowed, most_bytes=MOST_FILE_BYTES, most_values=MOST_TOLD_VALUES)
     if not isinstance(document, dict):
         raise Rejected([Rejection("FILE", file, "a file with a JSON object")])
+    if kind == "trace":
+        document = _thinned(document)
     number = where.client.kept_design(design_id).revisions if revision is None else revision
     kept = where.client.keep_record(design_id, number, kind, document, note=note)
     show(format, kept, Rows(("record", "kind", "revision"), [(kept.id, kept.kind, kept.revision)]))
@@ -113,6 +121,8 @@ def pushed(
     given = {each.axis: each.design for each in answer.designs}
     if axis is None and len(given) == 1:
         [axis] = given
+    if not given:
+        raise NotFound("The library has no design of this push.")
     if axis is None or axis not in given:
         raise Rejected([Rejection("--axis", axis, f"one of {', '.join(map(str, sorted(given)))}")])
     tell(f"{answer.pushed_at} to {answer.device}: {_outcome(answer)}")
@@ -142,6 +152,17 @@ def add_file(
     counts = [(name.replace("_", " "), value) for name, value in answer.model_dump(exclude={"copies"}).items()]
     copies = [("added beside another", name) for name in answer.copies]
     show(format, answer, Rows(("of the file", "added"), [*counts, *copies]))
+
+
+def _thinned(trace: dict[str, Any]) -> dict[str, Any]:
+    """Return a trace of no more steps than are kept, the first and the last of them; who keeps it is told."""
+    steps = trace.get("step")
+    if not isinstance(steps, list) or len(steps) <= MOST_KEPT_STEPS:
+        return trace
+    tell(f"the trace has {len(steps):,} steps: {MOST_KEPT_STEPS:,} of them, evenly apart, are kept")
+    places = [round(n * (len(steps) - 1) / (MOST_KEPT_STEPS - 1)) for n in range(MOST_KEPT_STEPS)]
+    is_column = {name: isinstance(value, list) and len(value) == len(steps) for name, value in trace.items()}
+    return {name: [value[place] for place in places] if is_column[name] else value for name, value in trace.items()}
 
 
 def _designs(push: PushedToAnswer) -> str:

@@ -163,7 +163,7 @@ def home(
 
 
 def trace(where: Where, find: Find, format: Format = "table") -> None:
-    """Show when the steps of the last traced move were made. CSV is what `stepramp capture` reads of steps."""
+    """Show when the steps of the last traced move were made."""
     traced = where.client.trace(find().id)
     _warn_of(traced)
     rows = zip(traced.step, traced.planned_ticks, traced.measured_ticks, traced.deviation_us, strict=True)

@@ -4,7 +4,7 @@
 
 import { readDocument } from '../../documents/documents.js';
 import { areEqual } from '../../model/equal.js';
-import { RECORD_NAMES } from '../../model/library.js';
+import { RECORD_NAMES, thinnedTrace } from '../../model/library.js';
 import { quoted } from '../../model/quoted.js';
 import { MOST_AXES } from '../../model/workbench.js';
 import { CHANGED_MEANWHILE, isForLater, Refusal, ServerGone } from '../../server/api.js';
@@ -29,6 +29,9 @@ import { createQuestion } from './question.js';
  * @typedef {{axis: number, design: Design, linked: Link | null}} Mine */
 /** Where a design is opened to: in the place of all that is in hand, of the axis in hand, or as another axis.
  * @typedef {'all' | 'axis' | 'beside'} Where */
+
+/** @param {number} count */
+const thousands = (count) => count.toLocaleString('en-US');
 
 /** @param {import('../state.js').Store} store
  * @param {Pick<ReturnType<typeof import('./opening.js').createDocuments>, 'openWork' | 'replacing'>} documents
@@ -190,8 +193,10 @@ export function createLibrary({ state, dispatch, subscribe }, documents, ask = l
       try {
         const present = inHand();
         const { id, name, number, isNew } = await revisionFor(axis ?? present.axis, design ?? present.design, kind);
-        await ask.keepRecord(id, { revision: number, kind, note, document });
-        dispatch(tell, `${what} kept in the library with ${quoted(name)}, revision ${number}${isNew ? ', which was saved for it' : ''}.`, false);
+        const kept = kind === 'trace' ? thinnedTrace(document) : document;
+        await ask.keepRecord(id, { revision: number, kind, note, document: kept });
+        const part = kept === document ? '' : ` Of its ${thousands(/** @type {any} */ (document).step.length)} steps ${thousands(kept.step.length)} are kept, evenly apart.`;
+        dispatch(tell, `${what} kept in the library with ${quoted(name)}, revision ${number}${isNew ? ', which was saved for it' : ''}.${part}`, false);
       } catch (error) {
         if (!(error instanceof Refusal || error instanceof ServerGone)) throw error;
         const isOthers = error instanceof Refusal && error.status === CHANGED_MEANWHILE;
