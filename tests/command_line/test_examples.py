@@ -29,7 +29,7 @@ def put(url: str, body: object) -> Any:
 
 @pytest.fixture
 def prepare(ask: Ask, server: str, folder: Path, grbl: str) -> Callable[[str], dict[str, str]]:
-    """Return what does what has to be done before an example, and returns what its placeholders stand for."""
+    """Return what prepares an example: it returns the words that its placeholders stand for."""
     del folder
 
     def prepared(name: str) -> dict[str, str]:

@@ -7,7 +7,7 @@ import pytest
 
 import stepramp
 from designs import document
-from stepramp.command_line import files
+from stepramp.command_line import files, history
 from stepramp.command_line.main import main
 from stepramp.http_api import bodies
 
@@ -128,7 +128,7 @@ def test_what_can_t_be_exported_is_told(
 def test_a_capture_without_an_end_is_refused(
     source: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert files.MOST_FILE_BYTES == bodies.MOST_FILE_BYTES
+    assert (files.MOST_FILE_BYTES, history.MOST_LIBRARY_BYTES) == (bodies.MOST_FILE_BYTES, bodies.MOST_LIBRARY_BYTES)
     monkeypatch.setattr(files, "MOST_FILE_BYTES", 100_000)
     with Path("/dev/zero").open() as endless:
         monkeypatch.setattr(sys, "stdin", endless)

@@ -2,11 +2,15 @@ from __future__ import annotations
 
 import io
 import json
+import os
+import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from rich.console import Console
 
+import stepramp
 from stepramp.command_line.output import Rows, as_table, figure, show, tell, write_csv
 from stepramp.http_api.library_models import KeptAnswer
 
@@ -63,3 +67,20 @@ def test_text_of_others_steers_no_terminal(capsys: pytest.CaptureFixture[str], m
 def test_a_program_is_given_text_as_it_is(capsys: pytest.CaptureFixture[str]) -> None:
     write_csv(Rows(("a",), [("\x1b\u202e",)]))
     assert capsys.readouterr().out == "a\n\x1b\u202e\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="has no limit of a file's size")
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_an_output_that_has_no_room_for_all_is_told(folder: Path, unbuffered: str) -> None:
+    limit = "import resource, signal; signal.signal(25, signal.SIG_IGN); resource.setrlimit(1, (5000, 5000)); "
+    for words in ("['profile', 'design.json', '--alone', '--format', 'json']", "['export', 'csv', 'design.json', '-']"):
+        script = f"{limit}import sys; from stepramp.command_line.main import main; sys.exit(main({words}))"
+        environment = {
+            **os.environ,
+            "PYTHONPATH": str(Path(stepramp.__file__).parents[1]),
+            "PYTHONUNBUFFERED": unbuffered,
+        }
+        with (folder / "out").open("w") as out:
+            words_given = [sys.executable, "-c", script]
+            told = subprocess.run(words_given, stdout=out, stderr=subprocess.PIPE, env=environment, check=False)
+        assert (told.returncode in (1, 2), b"File too large" in told.stderr) == (True, True), (told, words)

@@ -103,6 +103,25 @@ def test_what_is_said_of_a_slow_save_is_of_the_form_that_is_there_by_then(module
     assert seen == [["saving …", True], ["Save revision", False]]
 
 
+def test_what_was_typed_is_there_again_for_the_same_design_until_it_is_saved(modules: Modules) -> None:
+    seen = run(
+        modules,
+        """const {createSaving} = await import('/panels/library/saving.js');
+        const saved = [];
+        const saving = createSaving({saveRevision: (_, note) => { saved.push(note); }, saveNew() {}, onCancel() {}});
+        body.append(saving.element);
+        const note = () => byId('library-save-note').value, seen = [];
+        const lift = {axis: 5, design: {name: 'Lift'}, linked: {id: 'a', name: 'Lift', version: 1}};
+        const begin = (mine) => { saving.begin(mine); seen.push(note()); };
+        begin(lift); byId('library-save-note').value = 'typed'; begin(lift);
+        begin({...lift, axis: 7}); byId('library-save-note').value = 'of 7'; begin({...lift, axis: 7});
+        saving.end(); byId('library-saving').onsubmit({preventDefault() {}}); await settled();
+        begin({...lift, axis: 7});
+        return [seen, saved];""",
+    )
+    assert seen == [["", "typed", "", "of 7", ""], ["of 7"]]
+
+
 # The dialog before a library that is slow to save: `answer[name]()` ends what it was asked for.
 PANEL = (
     STATE

@@ -17,6 +17,7 @@ export function createSaving({ saveRevision, saveNew, onCancel }) {
   /** What is saved, whatever is in hand by then.
    * @type {Mine | null} */
   let mine = null;
+  let isSaved = false;
   const choice = segmented('Save as', /** @type {['revision' | 'new', string][]} */ ([['revision', 'Another revision'], ['new', 'A new design']]), choose); // prettier-ignore
   const heading = element('h3', {});
   const of = element('p', { className: 'muted', id: 'library-save-of' });
@@ -69,10 +70,14 @@ export function createSaving({ saveRevision, saveNew, onCancel }) {
     begin(wanted) {
       const { design, linked } = wanted;
       // What was typed, and isn't saved yet, is of the same design.
-      const isSame = mine?.axis === wanted.axis && mine.linked?.version === linked?.version && mine.linked?.id === linked?.id;
-      mine = wanted;
-      if (isSame) return choose(as);
+      const isSame = !isSaved && mine?.axis === wanted.axis && mine.linked?.version === linked?.version && mine.linked?.id === linked?.id;
+      [mine, isSaved] = [wanted, false];
       showText(heading, `Save ${quoted(design.name || 'unnamed')}`);
+      if (isSame) {
+        choose(as);
+        (as === 'new' ? name : note).input.focus();
+        return;
+      }
       name.input.value = design.name ?? '';
       tags.input.value = notes.input.value = note.input.value = '';
       choose(linked === null ? 'new' : 'revision');
@@ -80,7 +85,7 @@ export function createSaving({ saveRevision, saveNew, onCancel }) {
     },
     /** What was typed is saved. */
     end() {
-      mine = null;
+      isSaved = true;
     },
   };
 }
